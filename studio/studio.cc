@@ -4,6 +4,7 @@
 
 #include "media/frame/file_format.h"
 #include "synth/scene/scene_file.h"
+#include "synth/stills/edits.h"
 
 namespace freshet::studio {
 namespace {
@@ -53,7 +54,8 @@ std::string Studio::home_json() const {
                     {"folder", folder_.path().string()},
                     {"formats", offered_formats()},
                     {"films", films},
-                    {"ranges", ranges}});
+                    {"ranges", ranges},
+                    {"pin_reach", synth::stills::kPinReach}});
 }
 
 }  // namespace freshet::studio

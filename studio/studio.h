@@ -32,7 +32,8 @@ class Studio {
   Stores& stores() { return stores_; }
   Projects& projects() { return projects_; }
   Ways& ways() { return ways_; }
-  /// JSON: "projects", "stores", "folder", the "formats" of an export, and the "ranges" of a scene's numbers.
+  /// JSON: "projects", "stores", "folder", the "formats" of an export, the "ranges" of a scene's numbers, and the
+  /// "pin_reach" that a pin has at first, of the stills' longer side.
   std::string home_json() const;
 
  private:

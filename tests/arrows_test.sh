@@ -58,7 +58,7 @@ synth/simulate/scene: synth/field synth/simulate/solver
 synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate/design: media/picture synth/field synth/toml synth/simulate/solver synth/simulate/scene
 synth/simulate: synth/simulate/scene
-synth/scene/kinds: synth/toml
+synth/scene/kinds: media/frame synth/toml
 synth/scene: media/frame hints synth/toml synth/scene/kinds
 synth/scene/wind: synth/scene
 synth/scene/water: synth/scene synth/scene/wind
@@ -66,20 +66,20 @@ synth/scene/motion: synth/scene synth/scene/wind synth/scene/water
 synth/scene/rendering: media/picture synth/sampling synth/matte synth/scene/layers synth/scene synth/scene/wind synth/scene/water synth/scene/motion
 synth/flowlines/jumps:
 synth/flowlines/lines:
-synth/flowlines: vision synth/sampling synth/outline synth/flowlines/jumps synth/flowlines/lines
+synth/flowlines: media/frame vision synth/sampling synth/outline synth/flowlines/jumps synth/flowlines/lines
 synth/flowlines/files: store media/picture media/video hints stored synth/flowlines/lines synth/flowlines
 synth/stills/between: cache vision synth/sampling
 synth/stills: report cache media/frame media/picture hints synth/toml synth/matte synth/stills/between
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
-synth/scene/frames: media/frame media/picture media/video hints vision synth/sampling synth/scene/kinds synth/scene synth/scene/rendering synth/transfer synth/transfer/files
+synth/scene/frames: media/frame media/picture media/video hints vision synth/sampling synth/scene synth/scene/rendering synth/transfer synth/transfer/files
 synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers synth/scene/frames
 starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate
 work: cache
 studio/drawing: media/picture synth/matte synth/scene
 studio/jobs:
 studio/ways: cache media/picture synth/simulate/design synth/scene synth/scene/rendering synth/scene/frames studio/drawing
-studio: cache store media/frame media/picture media/video hints vision vision/look stored query/index query/search query/labelling synth/animate/motion synth/takes synth/animate synth/matte synth/scene work studio/drawing studio/jobs studio/ways
+studio: cache store media/frame media/picture media/video hints vision vision/look stored query/index query/search query/labelling synth/animate/motion synth/takes synth/animate synth/matte synth/scene synth/stills work studio/drawing studio/jobs studio/ways
 studio/http: studio
 library: store media/frame media/picture media/video hints vision vision/look stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/takes synth/matte
 library/ways: hints media/picture synth/flowlines synth/flowlines/files synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/scene/frames synth/stills synth/tour synth/transfer synth/transfer/files library

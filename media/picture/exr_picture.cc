@@ -102,8 +102,7 @@ struct EncodedLayer {
   }
   /// motion   CV_32FC2, y down.
   void add_motion(const cv::Mat& motion, ExrSamples samples, const std::string& before) {
-    upwards = cv::Mat(motion.size(), CV_32FC2);
-    cv::transform(motion, upwards, cv::Matx22f(1, 0, 0, -1));
+    upwards = with_y_turned(motion);
     static constexpr std::array kNames{kMotionX, kMotionY};
     insert(upwards, samples, before, kNames);
   }

@@ -169,6 +169,13 @@ std::vector<std::uint8_t> encode_exr(const Imf::Header& header, const Imf::Frame
   });
 }
 
+cv::Mat with_y_turned(const cv::Mat& motion) {
+  cv::Mat turned = motion.clone();
+  for (int y = 0; y < turned.rows; ++y)
+    for (int x = 0; x < turned.cols; ++x) turned.at<cv::Vec2f>(y, x)[1] *= -1;
+  return turned;
+}
+
 std::vector<std::uint8_t> encode_exr_parts(std::vector<Imf::Header> headers,
                                            std::span<const Imf::FrameBuffer> buffers,
                                            const std::string& where) {

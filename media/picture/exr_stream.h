@@ -32,6 +32,10 @@ char* exr_origin(const cv::Mat& plane, const Imf::InputFile& file);
 std::vector<std::uint8_t> encode_exr(const Imf::Header& header, const Imf::FrameBuffer& buffer,
                                      const std::string& where);
 
+/// A field of motion with its y turned round: files hold it y up, we y down.
+/// motion   CV_32FC2; so is what is returned.
+cv::Mat with_y_turned(const cv::Mat& motion);
+
 /// A file of parts; of the headers all but their names and channels are one.
 std::vector<std::uint8_t> encode_exr_parts(std::vector<Imf::Header> headers,
                                            std::span<const Imf::FrameBuffer> buffers,

@@ -71,14 +71,15 @@ cv::Mat decode_flo(const Bytes& bytes, const std::string& where) {
 }
 
 Bytes encode_motion(const cv::Mat& motion, const std::string& where) {
+  const cv::Mat upwards = with_y_turned(motion);
   std::vector<half> x(motion.total()), y(motion.total());
   for (int row = 0; row < motion.rows; ++row)
     for (int column = 0; column < motion.cols; ++column) {
-      const cv::Vec2f& at = motion.at<cv::Vec2f>(row, column);
+      const cv::Vec2f& at = upwards.at<cv::Vec2f>(row, column);
       const std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(motion.cols) +
                             static_cast<std::size_t>(column);
       x[i] = at[0];
-      y[i] = -at[1];
+      y[i] = at[1];
     }
   Imf::Header header(motion.cols, motion.rows);
   header.compression() = Imf::ZIP_COMPRESSION;
@@ -160,9 +161,7 @@ cv::Mat decode_motion(const Bytes& bytes, const std::string& where) {
   cv::Mat motion;
   read_exr(bytes, where, std::int64_t{kMaxSide} * kMaxSide,
            [&](Imf::InputFile& file) { motion = read_pair(file, where); });
-  for (int y = 0; y < motion.rows; ++y)
-    for (int x = 0; x < motion.cols; ++x) motion.at<cv::Vec2f>(y, x)[1] *= -1;
-  return motion;
+  return with_y_turned(motion);
 }
 
 }  // namespace

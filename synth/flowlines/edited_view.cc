@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "synth/outline/background.h"
+#include "synth/sampling/bilinear.h"
 
 namespace freshet::synth::flowlines {
 namespace {
@@ -91,21 +92,6 @@ float inside(cv::Point2f p, cv::Size size) {
 float uncut(cv::Point2f from, cv::Point2f shown, cv::Size size, float fade) {
   const float source = inside(from, size), place = inside(shown, size);
   return std::clamp(std::max(source, fade - (place - source)) / fade, 0.0f, 1.0f);
-}
-
-cv::Vec3f sampled(const cv::Mat& frame, float x, float y) {
-  const float cx = std::clamp(x, 0.0f, static_cast<float>(frame.cols - 1));
-  const float cy = std::clamp(y, 0.0f, static_cast<float>(frame.rows - 1));
-  const int x0 = static_cast<int>(cx), y0 = static_cast<int>(cy);
-  const int x1 = std::min(x0 + 1, frame.cols - 1), y1 = std::min(y0 + 1, frame.rows - 1);
-  const float fx = cx - static_cast<float>(x0), fy = cy - static_cast<float>(y0);
-  const auto* top = frame.ptr<cv::Vec3b>(y0);
-  const auto* low = frame.ptr<cv::Vec3b>(y1);
-  cv::Vec3f out;
-  for (int c = 0; c < 3; ++c)
-    out[c] = (static_cast<float>(top[x0][c]) * (1 - fx) + static_cast<float>(top[x1][c]) * fx) * (1 - fy) +
-             (static_cast<float>(low[x0][c]) * (1 - fx) + static_cast<float>(low[x1][c]) * fx) * fy;
-  return out;
 }
 
 /// The darkest, or brightest, that each place ever was.
@@ -249,7 +235,8 @@ void EditedView::gather() {
     if (alpha_.at<float>(static_cast<int>(p) / size.width, static_cast<int>(p) % size.width) > 0) {
       cv::Vec3f average(0, 0, 0);
       for (std::size_t i = first_.back(); i < sources_.size(); ++i)
-        average += sampled(mean_, sources_[i].x, sources_[i].y) * sources_[i].weight;
+        average += sampling::bilinear<cv::Vec3f, cv::Vec3b>(mean_, sources_[i].x, sources_[i].y) *
+                   sources_[i].weight;
       fluid_mean_.ptr<cv::Vec3b>()[p] = average;
     }
     first_.push_back(static_cast<std::uint32_t>(sources_.size()));
@@ -286,7 +273,7 @@ void EditedView::show(std::span<const std::vector<Moment>> moments, std::size_t 
                                  static_cast<std::size_t>(wx)];
     std::array<cv::Vec3f, 4> values;
     for (std::size_t k = 0; k < static_cast<std::size_t>(moment.count); ++k)
-      values[k] = sampled((*frames_)[moment.frame[k]], source.x, source.y);
+      values[k] = sampling::bilinear<cv::Vec3f, cv::Vec3b>((*frames_)[moment.frame[k]], source.x, source.y);
     const cv::Point from(std::clamp(cvRound(source.x), 0, mean_.cols - 1),
                          std::clamp(cvRound(source.y), 0, mean_.rows - 1));
     sum += mixed(values, moment) * source.weight;

@@ -7,22 +7,19 @@
 
 #include <opencv2/core.hpp>
 
+#include "media/frame/filmed_ground.h"
 #include "synth/flowlines/edit.h"
 #include "synth/flowlines/moments.h"
 #include "synth/flowlines/renderer.h"
 
 namespace freshet::synth::flowlines {
 
-/// What the fluid stands on, where it is seen through.
-enum class Ground {
-  kNone,   // it is opaque
-  kBlack,  // fire, light on black: alpha is the brightest channel
-  kWhite,  // smoke, dark on white
-};
+using media::Ground;
 
 struct EditedViewOptions {
   Correspondence correspondence = Correspondence::kEqual;
   double patch_px = 24;
+  /// What the fluid stands on, where it is seen through. On black alpha is the brightest channel.
   Ground ground = Ground::kNone;
   /// CV_8UC3, the frames' size: what lies behind fluid that is taken away. Empty: guessed; on a ground the darkest (or
   /// the brightest) that each place ever was, else filled in from around.

@@ -30,12 +30,15 @@ struct RegionEdits {
   std::vector<std::string> sequence = {};             // shown in this order; nothing is drawn
 };
 
+/// A pin's reach where none is said, a share of the stills' longer side.
+inline constexpr double kPinReach = .08;
+
 /// Where something of one still lies in another.
 struct StillPin {
   std::string from, to;  // the stills' files
   cv::Point2d at, goes;  // px of the upright files, in the one and in the other; (0, 0) is the middle of the
                          // upper left pixel
-  std::optional<double> reach;  // px: farther from it flow stays as it was found
+  std::optional<double> reach;  // px: farther from it flow stays as it was found; nothing: kPinReach
 };
 
 struct StillsEdits {

@@ -11,8 +11,7 @@
 namespace freshet::synth::stills {
 namespace {
 
-constexpr double kReachPart = .08;      // of the longer side
-constexpr double kSamePart = 1. / 480;  // of it: nearer points are one
+constexpr double kSamePart = 1. / 480;  // of the longer side: nearer points are one
 constexpr double kNearPart = 1. / 120;  // of it: nearer points are of one thing
 
 cv::Point2d led(const cv::Matx33d& map, cv::Point2d at) {
@@ -74,7 +73,7 @@ std::vector<PlacedPin> placed_pins(const std::vector<StillPin>& pins, const Stil
                       .to = still_named(pin.to, set.names, name),
                       .at = {},
                       .goes = {},
-                      .reach = kReachPart * longer_side};
+                      .reach = kPinReach * longer_side};
     if (placing.from == placing.to)
       throw Error(ErrorKind::kInput, name, "it leads from a still to itself", "Name two stills");
     placing.at = placed(name, "at", pin.at, placing.from, set);

@@ -5,8 +5,6 @@ import * as state from "./state";
 import type { FoundRegion, FoundStills, Point, Stills, StillsPin } from "./types";
 import * as view from "./view";
 
-const kReach = 0.08; // of the longer side, as the command line's
-
 const stills = (): Stills | undefined => state.doc.value?.stills;
 
 /** Of a pin that is begun, and on which of the two stills. */
@@ -81,11 +79,11 @@ export function beginPin(point: Point): void {
 }
 
 export function endPin(point: Point): void {
-  const [now, pair, begun, ground] = [stills(), view.pair.value, pinBegun.value, view.ground.value];
-  if (!now || !pair || !begun || !ground) return;
+  const [now, pair, begun, ground, home] = [stills(), view.pair.value, pinBegun.value, view.ground.value, state.home.value];
+  if (!now || !pair || !begun || !ground || !home) return;
   const from = pair[begun.side];
   const to = pair[begun.side === 0 ? 1 : 0];
-  const reach = Math.round(kReach * Math.max(ground.naturalWidth, ground.naturalHeight));
+  const reach = Math.round(home.pin_reach * Math.max(ground.naturalWidth, ground.naturalHeight));
   state.edit({ stills: { ...now, pins: [...now.pins, { from, to, points: [begun.point, within(point)], reach }] } });
   view.pin.value = now.pins.length;
   view.pairSide.value = begun.side;

@@ -260,6 +260,7 @@ export interface Home {
   formats: OutputFormat[];
   films: string[]; // endings of films that are read
   ranges: Record<string, [number, number]>; // of a scene's numbers, by table and key: what sliders show
+  pin_reach: number; // that a pin between stills has at first, of the longer side
 }
 
 export interface MatteNews {

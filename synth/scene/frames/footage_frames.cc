@@ -83,7 +83,7 @@ FootageFrames::FootageFrames(const FootageMotion& footage, int scene_frames, dou
   if (is_film(footage_.matte))
     form_.mattes = footage_.matte, form_.mattes_are_alpha = has_transparency(footage_.matte);
   const Read read = read_through(footage_.file, form_, left + (loop ? kFadeMost : 0));
-  if (footage_.ground != FilmedGround::kNone)
+  if (footage_.ground != media::Ground::kNone)
     form_.ground_depth = ground_depth(FootageReader(footage_.file).next(), footage_.ground);
   if (!footage_.matte.empty() && form_.mattes.empty()) form_.matte = matte_over(footage_, read.first.size());
   comes_round_ = read.frames > 1 && read.comes_round && footage_.repeats;

@@ -55,9 +55,9 @@ void matte_of(const cv::Mat& bgra, bool is_alpha, cv::Size size, cv::Mat& matte)
 }
 
 /// Makes the ground quite black or white. bgra   CV_16UC4.
-void level_ground(cv::Mat& bgra, FilmedGround ground, const cv::Vec3f& depth) {
+void level_ground(cv::Mat& bgra, media::Ground ground, const cv::Vec3f& depth) {
   constexpr float kMax = 65535;
-  const bool black = ground == FilmedGround::kBlack;
+  const bool black = ground == media::Ground::kBlack;
   for (int y = 0; y < bgra.rows; ++y) {
     auto* row = bgra.ptr<cv::Vec4w>(y);
     for (int x = 0; x < bgra.cols; ++x)
@@ -104,7 +104,7 @@ cv::Mat luma_of(const cv::Mat& bgra, bool over_white) {
 
 }  // namespace
 
-cv::Vec3f ground_depth(const cv::Mat& frame, FilmedGround ground) {
+cv::Vec3f ground_depth(const cv::Mat& frame, media::Ground ground) {
   constexpr int kNear = 26;         // of 255 levels
   constexpr double kFewest = 0.02;  // of all pixels: a ground is seen
   constexpr int kNoise = 2;         // levels
@@ -114,7 +114,7 @@ cv::Vec3f ground_depth(const cv::Mat& frame, FilmedGround ground) {
     for (int x = 0; x < frame.cols; ++x)
       for (int c = 0; c < 3; ++c) {
         const int level = cvRound(255 * row[x][c]),
-                  away = ground == FilmedGround::kBlack ? level : 255 - level;
+                  away = ground == media::Ground::kBlack ? level : 255 - level;
         if (away >= 0 && away < kNear) ++counts[static_cast<std::size_t>(c)][static_cast<std::size_t>(away)];
       }
   }
@@ -190,11 +190,11 @@ const cv::Mat& FootageReader::next() {
   read_ = film_.next();
   if (mattes_) take_matte();
   cv::Mat bgra = read_;
-  if (form_.ground != FilmedGround::kNone) {
+  if (form_.ground != media::Ground::kNone) {
     bgra = cv::Mat();
     read_.convertTo(bgra, CV_16U, 65535 / white_of(read_));
     if (form_.ground_depth != cv::Vec3f()) level_ground(bgra, form_.ground, form_.ground_depth);
-    transfer::take_off_ground(bgra, static_cast<transfer::Ground>(form_.ground));
+    transfer::take_off_ground(bgra, form_.ground);
   }
   premultiply(bgra, white_of(bgra), frame_);
   if (!form_.matte.empty()) limit(form_.matte, frame_);

@@ -6,17 +6,17 @@
 
 #include <opencv2/core.hpp>
 
+#include "media/frame/filmed_ground.h"
 #include "synth/scene/frames/film_source.h"
-#include "synth/scene/kinds/filmed_ground.h"
 
 namespace freshet::synth::scene {
 
 /// What frames become when they are read.
 struct FootageForm {
-  int width = 0;                              // px of its frames, which keep their shape; 0: as they are
-  FilmedGround ground = FilmedGround::kNone;  // taken off (transfer::take_off_ground)
-  cv::Vec3f ground_depth{};                   // how far it is from black or white (ground_depth)
-  cv::Mat matte{};                            // CV_8U of the film's size: alpha is at most this; empty: none
+  int width = 0;                                // px of its frames, which keep their shape; 0: as they are
+  media::Ground ground = media::Ground::kNone;  // taken off (transfer::take_off_ground)
+  cv::Vec3f ground_depth{};                     // how far it is from black or white (ground_depth)
+  cv::Mat matte{};                 // CV_8U of the film's size: alpha is at most this; empty: none
   std::filesystem::path mattes{};  // a matte for each frame, as FilmSource, in place of that one; empty: none
   bool mattes_are_alpha = false;   // and not grey (has_transparency)
 };
@@ -32,7 +32,7 @@ void expect_shape(const std::filesystem::path& matte, cv::Size size, const std::
 /// How far what a film was filmed on is from black or white, 0..1, by channel: grounds are hardly ever quite black or
 /// white, and would be seen as a veil. The most frequent level within a tenth of it; 0 where that is no ground.
 /// frame   of next(), opaque, with no form.
-cv::Vec3f ground_depth(const cv::Mat& frame, FilmedGround ground);
+cv::Vec3f ground_depth(const cv::Mat& frame, media::Ground ground);
 
 /// Sequences of .png keep their 16 bits; all else is taken at 8. What has no alpha, ground and matte is opaque.
 class FootageReader {

@@ -50,11 +50,11 @@ class TransferFrames : public LayerFrames {
         frames_(scene.frames),
         fade_(fade_of(scene, layer, files_.frames())),
         exemplar_(motion.exemplar, {.alpha = motion.exemplar_alpha,
-                                    .ground = static_cast<transfer::Ground>(motion.ground),
+                                    .ground = motion.ground,
                                     .patch = transfer::TransferOptions{}.patch,
                                     .frames = std::min(scene.frames + fade_, files_.frames())}) {
     files_.check({}, stop);
-    if (motion.ground != FilmedGround::kNone) {
+    if (motion.ground != media::Ground::kNone) {
       const transfer::TransferOptions options;
       const transfer::Extent extent = transfer::mean_extent(files_.frames(), kSeen, options,
                                                             [this](int i) { return files_.read(i).alpha; });

@@ -1,6 +1,7 @@
 #include "synth/scene/kinds/footage.h"
 
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 
@@ -11,7 +12,7 @@ namespace {
 
 void read_at(Section& section, FootageMotion& footage) { footage.at = place_of(section, "at"); }
 void take_ground(FootageMotion& footage, std::size_t word) {
-  footage.ground = static_cast<FilmedGround>(word);
+  footage.ground = static_cast<media::Ground>(word);
 }
 /// A layer cut from the picture has more ways to say its matte.
 void read_film_matte(Section& section, FootageMotion& footage) {
@@ -45,7 +46,7 @@ const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>() {
        "frame is transparent). It limits what its alpha or ground leaves",
        "none"},
       {"ground",
-       Words<FootageMotion>{filmed_grounds(), take_ground},
+       Words<FootageMotion>{{std::begin(media::kGrounds), std::end(media::kGrounds)}, take_ground},
        {},
        "",
        "what the film was filmed on, which is taken off: light on black, as fire; dark on white, as smoke"},

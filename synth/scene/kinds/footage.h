@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/scene/kinds/filmed_ground.h"
+#include "media/frame/filmed_ground.h"
 #include "synth/scene/kinds/kind.h"
 
 namespace freshet::synth::scene {
@@ -21,7 +21,7 @@ struct FootageMotion {
   bool repeats = true;
   /// Grey, of the film's shape: a picture, still over it, or one for each of its frames. Empty: none.
   std::filesystem::path matte{};
-  FilmedGround ground = FilmedGround::kNone;
+  media::Ground ground = media::Ground::kNone;
 };
 
 /// Of the scene, with which the footage begins.

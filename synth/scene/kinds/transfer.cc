@@ -1,12 +1,14 @@
 #include "synth/scene/kinds/transfer.h"
 
+#include <iterator>
+
 #include "synth/scene/kinds/kind_keys.h"
 
 namespace freshet::synth::scene {
 namespace {
 
 void take_ground(TransferMotion& transfer, std::size_t word) {
-  transfer.ground = static_cast<FilmedGround>(word);
+  transfer.ground = static_cast<media::Ground>(word);
 }
 void read_at(Section& section, TransferMotion& transfer) { transfer.at = place_of(section, "at"); }
 
@@ -32,7 +34,7 @@ const std::vector<Key<TransferMotion>>& keys_of<TransferMotion>() {
        kNeeded},
       {"exemplar_alpha", &TransferMotion::exemplar_alpha, {}, "", "masks of the exemplar", "its own alpha"},
       {"ground",
-       Words<TransferMotion>{filmed_grounds(), take_ground},
+       Words<TransferMotion>{{std::begin(media::kGrounds), std::end(media::kGrounds)}, take_ground},
        {},
        "",
        "what the exemplar lies on: light on black, as fire; dark on white, as smoke"},

@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/scene/kinds/filmed_ground.h"
+#include "media/frame/filmed_ground.h"
 #include "synth/scene/kinds/kind.h"
 
 namespace freshet::synth::scene {
@@ -15,7 +15,7 @@ struct TransferMotion {
   static constexpr Pixels kPixels = Pixels::kOwn;
 
   std::filesystem::path design_alpha{}, design_flow{}, exemplar{}, exemplar_alpha{};
-  FilmedGround ground = FilmedGround::kNone;
+  media::Ground ground = media::Ground::kNone;
   cv::Point at{0, 0};  // px, of its upper left corner in the picture
 };
 

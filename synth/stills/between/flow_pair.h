@@ -1,9 +1,9 @@
 // synth/stills/between/flow_pair.h — the flow between two stills of a scene that lie far apart, both ways.
 #pragma once
 
-#include <algorithm>
-
 #include <opencv2/core.hpp>
+
+#include "synth/sampling/bilinear.h"
 
 namespace freshet::synth::stills {
 
@@ -22,19 +22,7 @@ FlowPair flow_between(const cv::Mat& from, const cv::Mat& to);
 
 /// At a place between its pixels, px; beyond the border as at it.
 inline cv::Vec2f flow_at(const cv::Mat& flow, float x, float y) {
-  x = std::clamp(x, 0.0f, static_cast<float>(flow.cols - 1));
-  y = std::clamp(y, 0.0f, static_cast<float>(flow.rows - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, flow.cols - 1), y1 = std::min(y0 + 1, flow.rows - 1);
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const auto* top = flow.ptr<cv::Vec2s>(y0);
-  const auto* low = flow.ptr<cv::Vec2s>(y1);
-  cv::Vec2f out;
-  for (int c = 0; c < 2; ++c)
-    out[c] = FlowPair::kUnit *
-             ((1 - fy) * ((1 - fx) * static_cast<float>(top[x0][c]) + fx * static_cast<float>(top[x1][c])) +
-              fy * ((1 - fx) * static_cast<float>(low[x0][c]) + fx * static_cast<float>(low[x1][c])));
-  return out;
+  return FlowPair::kUnit * sampling::bilinear<cv::Vec2f, cv::Vec2s>(flow, x, y);
 }
 
 /// CV_32FC2, px, as integers of the unit. Saturates at +-1023 px.

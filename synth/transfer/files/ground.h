@@ -3,14 +3,11 @@
 
 #include <opencv2/core.hpp>
 
+#include "media/frame/filmed_ground.h"
+
 namespace freshet::synth::transfer {
 
-/// What an exemplar stands on.
-enum class Ground {
-  kNone,   // nothing is known: it is opaque
-  kBlack,  // light on black, such as fire
-  kWhite,  // dark on white, such as smoke
-};
+using media::Ground;
 
 inline constexpr double kBodyBegins = 0.6;
 

@@ -301,20 +301,20 @@ TEST(FootageFrames, AMatteLimitsWhatIsSeenAndTheGroundIsTakenOff) {
     EXPECT_NEAR(seen.at<cv::Vec4f>(20, 31)[2], 128 / 255.0 * 250 / 255.0, 1e-4);
     EXPECT_EQ(seen.at<cv::Vec4f>(20, 40), cv::Vec4f(0, 0, 0, 0));
   }
-  motion.ground = FilmedGround::kBlack;  // and the matte
+  motion.ground = media::Ground::kBlack;  // and the matte
   const cv::Mat light = shown(motion);
   EXPECT_EQ(light.at<cv::Vec4f>(2, 2), cv::Vec4f(0, 0, 0, 0));
   EXPECT_NEAR(light.at<cv::Vec4f>(20, 20)[2], 250 / 255.0, 1e-3);
   EXPECT_EQ(light.at<cv::Vec4f>(20, 40), cv::Vec4f(0, 0, 0, 0));
   FootageMotion dark = plain;
-  dark.ground = FilmedGround::kWhite;
+  dark.ground = media::Ground::kWhite;
   EXPECT_EQ(shown(dark).at<cv::Vec4f>(2, 2), cv::Vec4f(0, 0, 0, 1));
   EXPECT_NEAR(shown(dark).at<cv::Vec4f>(20, 40)[3], 1 - 40 / 255.0, 1e-3);
   // A ground that is not quite white leaves no veil.
   cv::Mat grey(40, 60, CV_8UC3, cv::Scalar(246, 245, 247));
   grey(cv::Rect(10, 10, 20, 20)).setTo(cv::Scalar(30, 30, 30));
   cv::imwrite((folder / "grey.png").string(), grey);
-  const cv::Mat smoke = shown({.file = folder / "grey.png", .ground = FilmedGround::kWhite});
+  const cv::Mat smoke = shown({.file = folder / "grey.png", .ground = media::Ground::kWhite});
   EXPECT_EQ(smoke.at<cv::Vec4f>(2, 2), cv::Vec4f(0, 0, 0, 0));
   EXPECT_NEAR(smoke.at<cv::Vec4f>(20, 20)[3], 1 - 30 / 255.0, 0.02);
   motion.matte = folder / "tall.png";
@@ -391,7 +391,7 @@ TEST(FootageFrames, MattesThatMoveGoWithTheirFrames) {
   for (const int grey : {60, 12}) {
     const Matted dark(4, 1, grey);
     motion = dark.footage();
-    motion.ground = FilmedGround::kBlack;
+    motion.ground = media::Ground::kBlack;
     FootageFrames light(motion, 4, 25, false);
     EXPECT_EQ(light.next().at<cv::Vec4f>(2, 1)[3] > 0, grey == 60) << grey;
     EXPECT_EQ(light.next().at<cv::Vec4f>(2, 1)[3], 0);
