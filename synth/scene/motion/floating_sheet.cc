@@ -29,6 +29,18 @@ cv::Matx33d columns(const cv::Vec3d& a, const cv::Vec3d& b, const cv::Vec3d& c) 
   return {a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2]};
 }
 
+/// A plane along the hull as it lies: its length, up, and its middle, as columns.
+cv::Matx33d standing(const Waterplane& plane, const Attitude& attitude, bool mirrored) {
+  const double cp = std::cos(attitude.pitch), sp = std::sin(attitude.pitch), cr = std::cos(attitude.roll),
+               sr = std::sin(attitude.roll), cy = std::cos(attitude.yaw), sy = std::sin(attitude.yaw);
+  // Rolled about its length, then pitched about its breadth, then turned: in the boat's own frame.
+  const cv::Vec3d along(cy * cp, sy * cp, sp), up(sy * sr - cy * sp * cr, -cy * sr - sy * sp * cr, cp * cr);
+  const auto in_world = [&](const cv::Vec3d& v) {
+    return plane.along * v[0] + plane.across * v[1] + cv::Vec3d(0, 0, mirrored ? -v[2] : v[2]);
+  };
+  return columns(in_world(along), in_world(up), plane.middle + in_world({0, 0, attitude.heave_m}));
+}
+
 }  // namespace
 
 Waterplane waterplane_of(const Line& hull, const WaterCamera& camera) {
@@ -86,20 +98,40 @@ Attitude HullStations::on(std::span<const double> heights, double length_m, doub
           .yaw = std::atan(twist.slope() / longest)};
 }
 
+bool sees_side(const Waterplane& plane) {
+  constexpr double kLeast = 0.01;  // sine
+  return std::abs(plane.across.dot(plane.middle)) > kLeast * cv::norm(plane.middle);
+}
+
+double breadth_seen(const Waterplane& plane, const Attitude& attitude) {
+  double least = 1;
+  for (const bool mirrored : {false, true})
+    least = std::min(least, cv::determinant(standing(plane, attitude, mirrored)) /
+                                cv::determinant(standing(plane, {}, mirrored)));
+  return least;
+}
+
+Attitude held_broad(const Waterplane& plane, const Attitude& attitude) {
+  const auto turned = [&](double share) {
+    return Attitude{.heave_m = attitude.heave_m,
+                    .pitch = share * attitude.pitch,
+                    .roll = share * attitude.roll,
+                    .yaw = share * attitude.yaw};
+  };
+  if (breadth_seen(plane, attitude) >= kLeastBreadth) return attitude;
+  double low = 0, high = 1;
+  for (int i = 0; i < 24; ++i) {
+    const double middle = (low + high) / 2;
+    (breadth_seen(plane, turned(middle)) >= kLeastBreadth ? low : high) = middle;
+  }
+  return turned(low);
+}
+
 cv::Matx33d still_from_moved(const WaterCamera& camera, const Waterplane& plane, const Attitude& attitude,
                              bool mirrored) {
-  const double cp = std::cos(attitude.pitch), sp = std::sin(attitude.pitch), cr = std::cos(attitude.roll),
-               sr = std::sin(attitude.roll), cy = std::cos(attitude.yaw), sy = std::sin(attitude.yaw);
-  // Rolled about its length, then pitched about its breadth, then turned: in the boat's own frame.
-  const cv::Vec3d along(cy * cp, sy * cp, sp), up(sy * sr - cy * sp * cr, -cy * sr - sy * sp * cr, cp * cr);
-  const auto in_world = [&](const cv::Vec3d& v) {
-    return plane.along * v[0] + plane.across * v[1] + cv::Vec3d(0, 0, mirrored ? -v[2] : v[2]);
-  };
-  const cv::Matx33d seen_from_still = columns(plane.along, in_world({0, 0, 1}), plane.middle),
-                    seen_from_moved = columns(in_world(along), in_world(up),
-                                              plane.middle + in_world({0, 0, attitude.heave_m}));
   const cv::Matx33d picture_from_world = camera.picture_from_world();
-  return picture_from_world * seen_from_still * (picture_from_world * seen_from_moved).inv();
+  return picture_from_world * standing(plane, {}, mirrored) *
+         (picture_from_world * standing(plane, attitude, mirrored)).inv();
 }
 
 cv::Rect waterplane_box(const Waterplane& plane, const WaterCamera& camera) {
@@ -136,6 +168,7 @@ void FloatingSheet::go_to(int) {
   attitude_.heave_m *= boat_.heave;
   for (double* const turn : {&attitude_.pitch, &attitude_.roll, &attitude_.yaw})
     *turn = std::clamp(*turn * boat_.roll, -kMostTilt, kMostTilt);
+  attitude_ = held_broad(plane_, attitude_);
   back_ = still_from_moved(water_->camera(), plane_, attitude_, reflection_);
 }
 

@@ -21,9 +21,13 @@ struct Waterplane {
 };
 /// A line along the waterline, laid on the water. How far away its ends are follows from their rows, but a few rows
 /// more are many metres on far water, and a boat that lists is no nearer on one side: the plane is turned by 45 degrees
-/// at most. The beam is a third of the length, as small boats have it.
+/// at most. A camera that sees the middle from 45 degrees aside may see such a plane along its edge (sees_side).
+/// The beam is a third of the length, as small boats have it.
 /// hull   its middle below the horizon; px of the picture, of some length.
 Waterplane waterplane_of(const Line& hull, const WaterCamera& camera);
+
+/// Whether the camera sees the plane that stands on it, and not its edge: from half a degree beside that.
+bool sees_side(const Waterplane& plane);
 
 /// How a boat lies at a moment.
 struct Attitude {
@@ -56,8 +60,17 @@ class HullStations {
   std::vector<double> along_;  // -1..1
 };
 
+/// How broadly the camera sees a plane that stands on the water along the hull and moves with it, a share of how
+/// broadly it sees it in the still: that of the boat or of its reflection, whichever is less. 0 or less: its edge, or
+/// its back.
+double breadth_seen(const Waterplane& plane, const Attitude& attitude);
+/// The same attitude, its turns lessened alike until breadth_seen is kLeastBreadth: a plane seen along its edge has no
+/// way back.
+inline constexpr double kLeastBreadth = 0.25;
+Attitude held_broad(const Waterplane& plane, const Attitude& attitude);
+
 /// The way back of a plane that stands on the water along the hull and moves with it: homogeneous px of the picture, at
-/// the moment and in the still. mirrored   of its reflection in level water.
+/// the moment and in the still. mirrored   of its reflection in level water. attitude   with a breadth_seen above 0.
 cv::Matx33d still_from_moved(const WaterCamera& camera, const Waterplane& plane, const Attitude& attitude,
                              bool mirrored);
 

@@ -76,7 +76,7 @@ bool moves_in_3d(const Scene& scene, const BoatMotion& boat) {
   return boat.reflection_of.empty() ? boat.in_3d : above->as<BoatMotion>()->in_3d;
 }
 
-/// Throws where a boat in three dimensions would float in the sky.
+/// Throws where a boat in three dimensions would float in the sky, or would be seen along its edge.
 Waterplane checked_waterplane(const Scene& scene, const SceneLayer& layer, const Line& hull,
                               const WaterCamera& camera) {
   const cv::Point2d middle = (hull.from + hull.to) * 0.5;
@@ -86,7 +86,15 @@ Waterplane checked_waterplane(const Scene& scene, const SceneLayer& layer, const
         fmt::format("layer {}: the middle of its hull line, ({:.0f}, {:.0f}), lies above the water's horizon",
                     layer.name, middle.x, middle.y),
         "Draw the line along the waterline, the horizon above it, or leave in_3d out");
-  return waterplane_of(hull, camera);
+  const Waterplane plane = waterplane_of(hull, camera);
+  if (!sees_side(plane))
+    throw Error(
+        ErrorKind::kInput, scene.file.string(),
+        fmt::format("layer {}: its hull line, from ({:.0f}, {:.0f}) to ({:.0f}, {:.0f}), points at the "
+                    "camera, which sees no side of it",
+                    layer.name, hull.from.x, hull.from.y, hull.to.x, hull.to.y),
+        "Draw the line more level, give the water a greater focal, or leave in_3d out");
+  return plane;
 }
 
 /// px, where boats lie on this water. camera   that sees it.

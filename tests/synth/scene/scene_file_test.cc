@@ -299,6 +299,12 @@ TEST(SceneMarks, ABoatIn3dHasTheHorizonAboveIt) {
                                      "[0, 58, 160, 58]", "[0, 58, 160, 72]");
   EXPECT_THAT(animation_fault(above), AllOf(HasSubstr("layer boat: the middle of its hull line, (100, 65)"),
                                             HasSubstr("leave in_3d out")));
+  // Turned by 45 degrees, and seen from 45 degrees aside.
+  EXPECT_THAT(
+      animation_fault(replaced(replaced(text, "hull = [80, 90, 120, 90]", "hull = [94, 104, 106, 76]"),
+                               "amplitude = 6\n", "amplitude = 6\nfocal = 22.7\n")),
+      AllOf(HasSubstr("layer boat: its hull line, from (94, 104) to (106, 76), points at the camera"),
+            HasSubstr("leave in_3d out")));
 }
 
 /// A drawing in a file that goes away.

@@ -206,6 +206,42 @@ TEST(FloatingSheet, RidesOnTheHeightsBelowItAndStaysWithinItsReach) {
   }
 }
 
+TEST(FloatingSheet, TurnsNoFurtherThanTheCameraSeesItsSide) {
+  const PlainCamera pinhole(0, 0.1);
+  const WaterCamera camera(pinhole.horizon(), kSeenFocal, kSeenFrom, kSeen);
+  // Turned by 45 degrees, and 21 degrees aside: a yaw of 24 more shows its edge.
+  const BoatMotion boat{.hull = Line{{300, 236}, {312, 180}}, .roll = 100, .in_3d = true};
+  const Waterplane plane = waterplane_of(*boat.hull, camera);
+  EXPECT_GT(breadth_seen(plane, {.yaw = 0.3}), kLeastBreadth);
+  EXPECT_LT(breadth_seen(plane, {.yaw = 0.5}), 0);
+  EXPECT_EQ(held_broad(plane, {.pitch = 0.1, .yaw = 0.3}).yaw, 0.3);
+  double before = 0;
+  for (double yaw = 0.01; yaw < 0.5; yaw += 0.01) {
+    const Attitude held = held_broad(plane, {.heave_m = 0.02, .pitch = 0.2 * yaw, .roll = -yaw, .yaw = yaw});
+    EXPECT_GE(held.yaw, before - 1e-6);
+    EXPECT_LE(held.yaw, before + 0.0101);
+    EXPECT_NEAR(held.roll, -held.yaw, 1e-12);
+    EXPECT_EQ(held.heave_m, 0.02);
+    before = held.yaw;
+    for (const bool mirrored : {false, true})
+      EXPECT_GT(std::abs(cv::determinant(still_from_moved(camera, plane, held, mirrored))), 1e-3);
+  }
+  EXPECT_LT(before, 0.42);
+  WaterMotion water = open_water(4);
+  water.horizon = pinhole.horizon();
+  water.mapping = WaterMapping::kDisplacement;
+  WaterSurface surface(water, Gusts({}, kSailing, kSeen.width), kSailing, 3, {0, 90, 320, 150}, kSeen,
+                       waterplane_box(plane, camera));
+  FloatingSheet sheet(boat, surface, false, {280, 100, 40, 140});
+  int held = 0;
+  for (int frame = 0; frame < kSailing.frames; frame += 2) {
+    surface.go_to(frame), sheet.go_to(frame);
+    EXPECT_GE(breadth_seen(plane, sheet.attitude()), kLeastBreadth);
+    held += std::abs(sheet.attitude().yaw) < 0.499;
+  }
+  EXPECT_GT(held, 3);
+}
+
 TEST(FloatingSheet, IsStillOnCalmWater) {
   const Gusts gusts({.speed_m_per_s = 0}, kSailing, kSeen.width);
   const BoatMotion boat{.hull = Line{{110, 150}, {190, 152}}, .in_3d = true};
