@@ -667,7 +667,19 @@ test("stills become a moving scene, an order is refused, and the command line ma
   await drag(page, [[5, 5], [30, 20], [55, 42.5]]);
   await until(async () => places(await layer())[0][0] === 5);
   places(await layer())[1].forEach((each, i) => assert.ok(Math.abs(each - (5 + (paint[i] - (i % 2 ? top : left)) / 2)) <= 1));
-  for (let i = 0; i < 2; ++i) await page.keyboard.press("Control+z");
+  // From a column of a pixel to almost all of the picture: a brush as wide as that would be is held to what a document
+  // can hold, and the film is laid.
+  await drag(page, [[12, 12], [12.5, 50], [13, 90]]);
+  await until(async () => places(await layer())[0][2] === 13);
+  await page.getByRole("group", { name: "Drawing tools" }).getByRole("button", { name: "Paint", exact: true }).click();
+  await page.getByRole("slider", { name: "Brush", exact: true }).press("End");
+  await drag(page, [[60, 40], [80, 60], [90, 50]]);
+  await until(async () => (await layer()).paint.length === 2);
+  await page.getByRole("group", { name: "Drawing tools" }).getByRole("button", { name: "Line", exact: true }).click();
+  await drag(page, [[40, 10], [80, 60], [155, 110]]);
+  await until(async () => places(await layer())[0][2] === 155);
+  assert.equal((await layer()).paint[1].width, 10000);
+  for (let i = 0; i < 5; ++i) await page.keyboard.press("Control+z");
   await until(async () => places(await layer())[0][0] === left);
   assert.deepEqual(places(await layer())[1], paint);
   await page.getByLabel("Length").fill("0.8");

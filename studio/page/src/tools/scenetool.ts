@@ -26,8 +26,8 @@ function showPlace(corners: [Point, Point], colour: string, sheet: Sheet): void 
   const handle = new Circle({ x: middle[0], y: middle[1], radius: 7 / scale, fill: colour, stroke: "#fff", strokeWidth: 2 / scale, draggable: true, hitStrokeWidth: 14 / scale });
   handle.on("pointerdown", (event) => (event.cancelBubble = true));
   handle.on("dragend", () => placeFilm(corners.map(([x, y]): Point => [rounded(x + handle.x() - middle[0]), rounded(y + handle.y() - middle[1])])));
-  showHandles(corners, sheet, placeFilm);
   sheet.add(handle);
+  showHandles(corners, sheet, placeFilm); // above it: a small film is made large by its corners
 }
 
 function showLayer(layer: DrawnLayer, index: number, sheet: Sheet): void {
