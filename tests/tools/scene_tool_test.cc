@@ -370,6 +370,9 @@ TEST(SceneTool, WhatIsWrongIsNamedAndNothingIsLeft) {
     EXPECT_EQ(outcome.signal, 0);
     EXPECT_NE(outcome.err.find(expected), std::string::npos) << outcome.err;
     EXPECT_FALSE(fs::exists(folder / "out.mkv"));
+    const Outcome drawn = folder.render({"--draw", "drawn.png", "--overwrite"});
+    EXPECT_NE(drawn.exit_code, 0) << "what a run refuses is refused before one";
+    EXPECT_NE(drawn.err.find(expected), std::string::npos) << drawn.err;
   };
   folder.scene("armature = [140, 80, 140, 20]");
   refused("lies outside of it");

@@ -170,22 +170,27 @@ void run_scene(SceneCommand& command, const RunContext& context) {
   const double cut_s = watch.lap();
   if (!command.drawing.empty())
     media::write_picture(command.drawing, scene::draw_scene(loaded.picture, asked, pixels));
+  const scene::PatchesMaker patches = [&](const scene::PatchesTarget& target,
+                                          const scene::PushedFrames::Sinks& sinks) {
+    make_patches(target, sinks, context);
+  };
+  const auto frames_of = [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
+    return scene::frames_of_layer(asked, layer, own, patches, context.stop, layer_files.work());
+  };
   if (output == nullptr) {
+    // What a run would refuse is refused here too. Patches are labelled before the first is refused.
+    const scene::SceneAnimation staged(
+        asked, pixels, loaded.picture.size(),
+        [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
+          return layer.as<scene::PatchesMotion>() != nullptr ? nullptr : frames_of(layer, own);
+        },
+        &notices);
     progress.finish();
     say_all(notices);
     fmt::print("{}\n", command.drawing);
     return;
   }
-  const scene::PatchesMaker patches = [&](const scene::PatchesTarget& target,
-                                          const scene::PushedFrames::Sinks& sinks) {
-    make_patches(target, sinks, context);
-  };
-  scene::SceneAnimation animation(
-      asked, pixels, loaded.picture.size(),
-      [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
-        return scene::frames_of_layer(asked, layer, own, patches, context.stop, layer_files.work());
-      },
-      &notices);
+  scene::SceneAnimation animation(asked, pixels, loaded.picture.size(), frames_of, &notices);
   say_all(notices);
   const double stage_s = watch.lap();
 
@@ -225,7 +230,7 @@ void add_scene(CLI::App& synth_command, RunContext& context) {
   sub->add_option(
       "--draw", command->drawing,
       "Write the picture with what was understood: layers, armatures, the water's plane, hull lines (PNG, "
-      "JPEG); alone, nothing is rendered");
+      "JPEG); alone, nothing is rendered, and refused is what a run would refuse, but of patches");
   sub->add_option(
          "--layers-out", command->layers_out,
          "Also write each layer alone, with alpha: 'layers/{layer}.####.exr' (half floats, linear light, "
