@@ -30,7 +30,7 @@ class Small {
     return placement;
   }
   void reduce(animate::AnimateOptions& options, const TrialOptions& trial) const {
-    options.matte_sink = {};
+    options.matte_sink = options.motion_sink = {};
     options.form = animate::FrameForm::kWhole;
     options.from = 0;
     options.until = std::min(trial.frames, options.frames);
@@ -38,10 +38,9 @@ class Small {
     if (!options.outline.held.empty()) options.outline.held = query::reduce(options.outline.held, scale_);
     if (!options.outline.background.empty())
       options.outline.background = query::reduce(options.outline.background, scale_);
-    if (auto* const carried = std::get_if<animate::CarriedOptions>(&options.method)) {
-      carried->motion_sink = {};
-      if (!trial.with_innovations) carried->innovations.reset();
-    }
+    if (auto* const carried = std::get_if<animate::CarriedOptions>(&options.method);
+        carried != nullptr && !trial.with_innovations)
+      carried->innovations.reset();
   }
 
   cv::Mat picture, matte;

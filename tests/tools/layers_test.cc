@@ -242,6 +242,11 @@ TEST_F(Layers, MattesAndMotionAreWrittenToo) {
   const cv::Scalar inside = cv::mean(motion, matte == 255), outside = cv::mean(motion, matte == 0);
   EXPECT_GT(inside[1], 0.3) << "a waterfall goes down, px a frame";
   EXPECT_EQ(outside[1], 0);
+  made("p.mkv", {"--motion-out", "printed/%04d.flo", "--method", "paper"});
+  const std::string printed = text_of(*folder_ / "printed/0002.flo");
+  ASSERT_EQ(printed.size(), flo.size());
+  const cv::Mat falls(kHeight, kWidth, CV_32FC2, const_cast<char*>(printed.data() + 12));
+  EXPECT_GT(cv::mean(falls, matte == 255)[1], 0.3);
 }
 
 TEST_F(Layers, TowardsAHorizonTheMotionComesToRest) {
@@ -432,10 +437,7 @@ TEST_F(Layers, WhatDoesNotGoTogetherIsSaidBeforeTheWork) {
       {"a/%04d.png", {"--depth", "half"}, "PNG has 8 or 16 bits. Leave --depth out, or use .exr"},
       {"a/%04d.exr", {"--depth", "16"}, "EXR has half or float"},
       {"a.mkv", {"--preset", "web"}, "--preset web: it makes .mp4 files, and a.mkv is none"},
-      {"a.mkv", {"--motion-out", "m.flo"}, "--motion-out m.flo: it is no numbered sequence"},
-      {"a.mkv",
-       {"--motion-out", "m/%04d.flo", "--method", "paper"},
-       "--motion-out: these frames are not carried"}};
+      {"a.mkv", {"--motion-out", "m.flo"}, "--motion-out m.flo: it is no numbered sequence"}};
   for (const Case& one : cases) {
     const Outcome outcome = animate(one.out, one.more);
     EXPECT_EQ(outcome.exit_code, 2) << one.message;

@@ -176,8 +176,7 @@ media::Samples OutputOptions::choose_samples(const media::OutputFormat& format, 
 }
 
 std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& loaded,
-                                                    synth::animate::FrameOptions& options,
-                                                    std::function<void(const cv::Mat&)>* motion_sink) {
+                                                    synth::animate::FrameOptions& options) {
   if (out_.empty()) throw CLI::RequiredError("--output");
   auto files = std::make_unique<AnimationFiles>();
   const FrameNumbers numbered = numbers(options.frames);
@@ -208,8 +207,6 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
     if (!media::is_pattern(pattern) || !media::looks_like_motion(pattern))
       refuse("--motion-out " + pattern, "it is no numbered sequence of .flo or .exr",
              "For example --motion-out motion/%05d.exr");
-  if (!motion_out_.empty() && motion_sink == nullptr)
-    refuse("--motion-out", "these frames are not carried along a motion", "Leave it out");
 
   check_frames_output(out_, numbered);
   check_frames_output(matte_out_, numbered);
@@ -231,7 +228,7 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
     options.matte_sink = [to = files.get()](const cv::Mat& matte) { to->write_matte(matte); };
   }
   if (!motion_out_.empty())
-    *motion_sink = [to = files.get()](const cv::Mat& motion) { to->write_motion(motion); };
+    options.motion_sink = [to = files.get()](const cv::Mat& motion) { to->write_motion(motion); };
 
   options.from = static_cast<int>(numbered.from - numbered.first);
   options.until = static_cast<int>(numbered.to - numbered.first + 1);

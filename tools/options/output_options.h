@@ -68,10 +68,8 @@ class OutputOptions {
   /// Opens all files, and asks the options for frames in the form that they need. Says what a codec makes of the
   /// picture's size. Throws for whatever names, forms and formats do not go together: before the work.
   /// options       with frames, fps and outline; what they are given must not outlive the files.
-  /// motion_sink   where frames' motion is to go, likewise; null where nothing is carried.
   std::unique_ptr<AnimationFiles> open(const TargetFiles::Loaded& loaded,
-                                       synth::animate::FrameOptions& options,
-                                       std::function<void(const cv::Mat&)>* motion_sink = nullptr);
+                                       synth::animate::FrameOptions& options);
   /// Gives a name without an ending the one of what is asked: the preset's, .webp for the fluid alone, .mp4.
   void add_ending();
   /// Whether browsers play the file.

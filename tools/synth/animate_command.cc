@@ -110,11 +110,6 @@ std::vector<PlannedStage> AnimateCommand::stages() const {
   return stages;
 }
 
-std::function<void(const cv::Mat&)>* AnimateInputs::motion_sink() {
-  auto* const carried = std::get_if<synth::animate::CarriedOptions>(&options.method);
-  return carried != nullptr ? &carried->motion_sink : nullptr;
-}
-
 AnimateInputs read_inputs(const AnimateCommand& command) {
   AnimateInputs inputs{
       .loaded = command.target.load_with_matte(), .options = command.rendering(), .asked = {}, .playing = {}};

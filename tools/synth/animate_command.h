@@ -72,9 +72,6 @@ struct AnimateInputs {
   AskedMotion asked;
   synth::animate::Playing playing;
   std::string pace{};  // PlayOptions::pace, until pace_it() has made it a factor
-
-  /// Where the motion of carried frames goes; null where the method carries nothing.
-  std::function<void(const cv::Mat&)>* motion_sink();
 };
 /// Says what had to be changed about the files. Throws as their readers.
 AnimateInputs read_inputs(const AnimateCommand& command);

@@ -28,8 +28,8 @@ struct AnimateRequest {
 };
 
 /// Hands every frame to `sink`, in order: CV_32FC4, the fluid's colours times its matte, and the matte.
-/// motion   may be empty. Where the picture is carried along a motion, it is given that of each frame, before it:
-///          CV_32FC2, px until the next frame, x right, y down; by other methods nothing.
+/// motion   may be empty; else it is given that of each frame, before it: CV_32FC2, px until the next frame, x right, y
+///          down.
 /// Throws what the command throws; Error{kUsage} naming `where` for words that it does not know.
 void animate_layer(const AnimateRequest& request, const std::function<void(const cv::Mat&)>& sink,
                    const std::function<void(const cv::Mat&)>& motion, const RunContext& context);

@@ -139,7 +139,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   command.motion.check_outputs();
   check_picture_output(command.sheet);
   check_output_folder(command.credits);
-  const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options, inputs.motion_sink());
+  const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options);
 
   const auto cache = command.cache.open();
   const ChosenPatches chosen = choose_patches(
@@ -228,7 +228,7 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
                        .pace = command.play.pace()};
   inputs.options.loop = request.loop;
   inputs.options.form = synth::animate::FrameForm::kFluid;
-  if (auto* const sinks_motion = inputs.motion_sink(); sinks_motion != nullptr) *sinks_motion = motion;
+  inputs.options.motion_sink = motion;
   command.outline.apply(inputs.options, request.loaded.picture.size());
   if (!request.strokes.empty() && inputs.asked.strokes.empty()) {
     const hints::StrokeField field =

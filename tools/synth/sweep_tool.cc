@@ -199,7 +199,7 @@ class Sweep {
       AnimateInputs inputs = read_inputs(point.command());
       keys_.push_back(tools::key_of_part(point, inputs));
       if (!command_.gather) {
-        point.command().output.open(inputs.loaded, inputs.options, inputs.motion_sink());
+        point.command().output.open(inputs.loaded, inputs.options);
         if (&point == points_.data()) frame_ = (inputs.options.from + inputs.options.until) / 2;
       }
       if (still_.empty()) still_ = inputs.loaded.picture;
@@ -390,8 +390,7 @@ class Sweep {
 
   Rendered render_point(std::size_t i, AnimateInputs& inputs, const query::Assignment& assignment) {
     OutputOptions& names = points_[i].command().output;
-    const std::unique_ptr<AnimationFiles> output =
-        names.open(inputs.loaded, inputs.options, inputs.motion_sink());
+    const std::unique_ptr<AnimationFiles> output = names.open(inputs.loaded, inputs.options);
     const synth::animate::AnimateOptions& options = inputs.options;
     const fs::path file = names.name();
     Rendered made{.file = file.filename().string(), .video = {}, .frame = {}};

@@ -20,12 +20,7 @@ takes::Open open_of(const CLI::App& given) {
 std::optional<takes::Trial> choose_take(const store::Snapshot& snapshot, AnimateInputs& inputs,
                                         const query::Assignment& assignment, const std::string& kind,
                                         int count, const takes::Open& open, const RunContext& context) {
-  takes::Open varied = open;
-  // Forms carry nothing whose motion could be written.
-  if (const std::function<void(const cv::Mat&)>* sink = inputs.motion_sink(); sink == nullptr || *sink)
-    varied.method = false;
-  std::vector<takes::Take> planned =
-      takes::plan_takes(kind, inputs.options, inputs.asked.guide, varied, count);
+  std::vector<takes::Take> planned = takes::plan_takes(kind, inputs.options, inputs.asked.guide, open, count);
   for (takes::Take& take : planned)
     if (take.speed != 1 && inputs.asked.guide.speed.empty())
       take.options = fmt::format("--speed {:.3g}", inputs.playing.factor * take.speed);

@@ -65,12 +65,11 @@ void add_missing(const cv::Mat& missing, float share, cv::Mat& frame) {
   }
 }
 
-/// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
-cv::Mat for_every_pixel(const cv::Mat& field, int step, const cv::Mat& alpha) {
+/// A field that is sampled every few px, for every pixel.
+cv::Mat for_every_pixel(const cv::Mat& field, int step, cv::Size size) {
   cv::Mat out;
-  cv::warpAffine(field, out, sampling::samples_from_pixels(step), alpha.size(),
+  cv::warpAffine(field, out, sampling::samples_from_pixels(step), size,
                  cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
-  out.setTo(cv::Scalar::all(0), alpha <= 0);
   return out;
 }
 
@@ -126,6 +125,9 @@ class CarriedRenderer final : public Renderer {
 
   int batch() const override { return innovations_ ? innovations_->batch() : animation_.options.frames; }
   cv::Mat motion(int output) const override { return sequence_->at(output); }
+  cv::Mat step(int output) const override {
+    return for_every_pixel(field_->at(output), field_->step(), still_.luma.size());
+  }
 
   void read(std::span<const int> outputs) override {
     if (innovations_) innovations_->read(outputs);
@@ -133,9 +135,6 @@ class CarriedRenderer final : public Renderer {
 
   void prepare(std::span<const int> outputs, std::span<const cv::Mat> mattes, std::size_t passed) override {
     if (outputs.front() == 0) begin_as_the_still(mattes.front());
-    if (options_.motion_sink)
-      for (std::size_t i = passed; i < outputs.size(); ++i)
-        options_.motion_sink(for_every_pixel(field_->at(outputs[i]), field_->step(), mattes[i]));
     if (passed < outputs.size()) prepare_copies(outputs[passed], static_cast<int>(outputs.size() - passed));
     if (innovations_) innovations_->advance(outputs, passed, *field_);
   }

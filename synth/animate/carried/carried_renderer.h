@@ -52,8 +52,6 @@ struct CarriedOptions {
   /// What comes from the patches' pixels. Nothing: the motion alone, and no frame of a clip is read. For a first look:
   /// a third of the time.
   std::optional<InnovationOptions> innovations = InnovationOptions{};
-  /// Where what lies at a pixel goes until the next frame, CV_32FC2, px, the picture's size; 0 beside the matte.
-  std::function<void(const cv::Mat&)> motion_sink{};
 };
 
 /// Copies of the picture are carried along the motion of the assigned patches (CopyMaps, CarriedBase), their contrast

@@ -252,6 +252,32 @@ cv::Mat FormFrames::thinned_light(int index) const {
   return light;
 }
 
+/// All that burns: the brighter of both flames, CV_32F levels.
+cv::Mat FormFrames::burning(int index) const {
+  cv::Mat all = level(index);
+  const cv::Mat own = thinned_light(index);
+  const float left = remaining(index, options_.handover_s);
+  for (int y = 0; y < all.rows && left > 0; ++y) {
+    auto* row = all.ptr<float>(y);
+    const auto* picture = own.ptr<cv::Vec3f>(y);
+    for (int x = 0; x < all.cols; ++x)
+      row[x] = std::max(thinned(row[x], left * left), level_of(luma_at(picture[x])));
+  }
+  return all;
+}
+
+cv::Mat FormFrames::motion(int index) const {
+  constexpr double kSmooth = 1.5;  // sigma, px
+  constexpr double kDark = 0.1;    // level, from which on flames move whole
+  const cv::Mat now = burning(index), from = bytes_of(now, now.size()),
+                to = bytes_of(burning(index + 1), now.size());
+  cv::Mat way = smoothed(vision::optical_flow(from, to), cv::max(from, to), kSmooth);
+  const cv::Mat shines = cv::min(now / kDark, 1.0);
+  for (int y = 0; y < way.rows; ++y)
+    for (int x = 0; x < way.cols; ++x) way.at<cv::Vec2f>(y, x) *= shines.at<float>(y, x);
+  return way;
+}
+
 cv::Mat FormFrames::frame(int index) const {
   if (index == 0) return picture_.clone();
   cv::Mat flames = level(index);

@@ -80,8 +80,10 @@ class FormsRenderer final : public Renderer {
 
   int batch() const override { return std::min(kBatch, animation_.options.frames); }
   cv::Mat motion(int) const override { return cv::Mat::zeros(still_.target.size(), CV_32FC2); }
+  cv::Mat step(int output) const override { return frames_.motion(output); }
   void read(std::span<const int> outputs) override {
-    frames_.load(outputs.front(), static_cast<int>(outputs.size()));
+    const int beyond = animation_.options.motion_sink ? 1 : 0;  // leads to the frame after them
+    frames_.load(outputs.front(), static_cast<int>(outputs.size()) + beyond);
     animation_.report.decode_s += animation_.watch.lap();
   }
   void prepare(std::span<const int>, std::span<const cv::Mat>, std::size_t) override {}

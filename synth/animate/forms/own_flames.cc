@@ -66,7 +66,7 @@ StillPart light_as_still(const StillPart& still, const PartedStill& parted) {
 FrameOptions of_light(const FrameOptions& options) {
   FrameOptions out = options;
   out.form = FrameForm::kFluid;
-  out.matte_sink = {};
+  out.matte_sink = out.motion_sink = {};
   return out;
 }
 
@@ -112,6 +112,7 @@ class OwnFlames final : public Renderer {
 
   int batch() const override { return carried_->batch(); }
   cv::Mat motion(int output) const override { return carried_->motion(output); }
+  cv::Mat step(int output) const override { return carried_->step(output); }
   void read(std::span<const int> outputs) override {
     carried_->read(outputs);
     animation_.report.decode_s += animation_.watch.lap();

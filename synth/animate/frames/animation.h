@@ -50,6 +50,8 @@ struct FrameOptions {
   /// Of the snapshot, decoded for earlier animations; null: none are kept. It changes the time taken, and nothing else.
   std::shared_ptr<stored::DecodedTiles> tiles{};
   std::function<void(const cv::Mat&)> matte_sink{};  // each frame's matte, CV_32F 0..1
+  /// Where what lies at a pixel goes until the next frame, CV_32FC2, px, the picture's size; 0 beside the matte.
+  std::function<void(const cv::Mat&)> motion_sink{};
 
   /// The frame after the last one that is made.
   int end() const { return until > 0 ? std::min(until, frames) : frames; }

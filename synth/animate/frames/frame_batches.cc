@@ -56,6 +56,12 @@ void make_frames(Animation& animation, const StillPart& still, Renderer& rendere
       if (options.matte_sink)
         for (std::size_t i = passed; i < mattes.size(); ++i) options.matte_sink(mattes[i]);
       renderer.prepare(outputs, mattes, passed);
+      if (options.motion_sink)
+        for (std::size_t i = passed; i < outputs.size(); ++i) {
+          cv::Mat step = renderer.step(outputs[i]);
+          step.setTo(cv::Scalar::all(0), mattes[i] <= 0);
+          options.motion_sink(step);
+        }
       oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
         finished[i] = renderer.finish(outputs[passed + i], mattes[passed + i]);
       });

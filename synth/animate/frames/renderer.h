@@ -25,6 +25,9 @@ class Renderer {
   virtual int first() const { return 0; }
   /// Velocity in an output frame: CV_32FC2, px/s, the picture's size. Asked for where the outline moves.
   virtual cv::Mat motion(int output) const = 0;
+  /// Where what an output frame shows goes until the next: CV_32FC2, px, the picture's size; whatever lies beside the
+  /// matte. Asked for after prepare(), where motion is written (FrameOptions::motion_sink).
+  virtual cv::Mat step(int output) const = 0;
 
   /// Reads what these frames need of the clips.
   virtual void read(std::span<const int> outputs) = 0;

@@ -48,6 +48,7 @@ class PaperRenderer final : public Renderer {
   int batch() const override { return batches_.batch(); }
   int first() const override { return first_; }
   cv::Mat motion(int output) const override { return sequence_->at(output); }
+  cv::Mat step(int output) const override { return sequence_->at(output) / animation_.options.fps; }
 
   void read(std::span<const int> outputs) override { batches_.read(outputs); }
 
@@ -65,7 +66,7 @@ class PaperRenderer final : public Renderer {
   }
 
  private:
-  /// The averages of every clip's patches, then their differences, and how they move where the outline does.
+  /// The averages of every clip's patches, then their differences, and how they move where that is asked for.
   void measure_clips(Resampling resampling) {
     const FrameOptions& frames = animation_.options;
     // Made of whole frames, a loop begins after the transition that changes the picture least (else its
@@ -73,7 +74,7 @@ class PaperRenderer final : public Renderer {
     const bool whole_loop = frames.loop && resampling == Resampling::kNearest;
     std::vector<double> change(static_cast<std::size_t>(frames.frames), 0.0);
     std::optional<MotionSums> motion;
-    if (frames.moving())
+    if (frames.moving() || frames.motion_sink)
       motion.emplace(animation_.snapshot, animation_.settings, animation_.placement,
                      animation_.picture.size(), frames.frames, frames.tiles.get());
     batches_.begin(frames.frames, matching_ == AppearanceMatching::kSequence,

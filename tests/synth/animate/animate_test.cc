@@ -17,6 +17,7 @@
 
 #include "freshet/error.h"
 #include "tests/harness/fault.h"
+#include "tests/synth/animate/carried_error.h"
 #include "tests/synth/animate/flowing_clip.h"
 #include "tests/synth/animate/measured_clip.h"
 
@@ -226,13 +227,11 @@ TEST_P(Animated, EachFrameHasItsMatteAndItsMotion) {
   options.from = 5;
   Frames mattes, motions;
   options.matte_sink = [&](const cv::Mat& matte) { mattes.push_back(matte.clone()); };
-  auto* const carried = std::get_if<CarriedOptions>(&options.method);
-  if (carried != nullptr)
-    carried->motion_sink = [&](const cv::Mat& motion) { motions.push_back(motion.clone()); };
+  options.motion_sink = [&](const cv::Mat& motion) { motions.push_back(motion.clone()); };
   const Frames frames = animated(options).frames;
   EXPECT_EQ(frames.size(), 15u);
   EXPECT_EQ(mattes.size(), frames.size());
-  EXPECT_EQ(motions.size(), carried != nullptr ? frames.size() : 0u);
+  EXPECT_EQ(motions.size(), frames.size());
   for (const cv::Mat& matte : mattes) EXPECT_EQ(matte.type(), CV_32F);
   for (std::size_t i = 0; i < motions.size(); ++i) {
     EXPECT_EQ(motions[i].type(), CV_32FC2);
@@ -241,6 +240,33 @@ TEST_P(Animated, EachFrameHasItsMatteAndItsMotion) {
     beside.setTo(cv::Scalar::all(0), mattes[i] > 0);
     EXPECT_EQ(cv::norm(beside, cv::NORM_INF), 0);
   }
+}
+
+TEST(AnimatedMotion, LeadsToTheNextFrame) {
+  // Texture that goes as its flow says.
+  const FlowingStore store({measured({.frames = 26, .steady = {2, 1}, .varying = 0, .anew = 0})});
+  Placement placement{.side = 48, .stride = 24, .patches = {}};
+  for (int y = 0; y + 48 <= 110; y += 24)
+    for (int x = 0; x + 48 <= 150; x += 24)
+      placement.patches.push_back(
+          {.piece = {x, y}, .clip = store.id(0), .variant = {}, .patch = {x, y}, .speed = 1});
+  cv::Mat picture(100, 144, CV_8UC3);
+  cv::RNG(3).fill(picture, cv::RNG::UNIFORM, 0, 255);
+  cv::GaussianBlur(picture, picture, {}, 2);
+  const cv::Mat matte(picture.size(), CV_8U, cv::Scalar(255));
+  const cv::Mat inside = cv::Mat(matte).clone();
+  cv::rectangle(inside, {0, 0}, {143, 99}, 0, 12);
+  for (const Method& method : {Method(CarriedOptions{}), Method(PaperOptions{})})
+    for (const double fps : {25.0, 50.0}) {
+      AnimateOptions options;
+      options.frames = 20, options.fps = fps;
+      options.method = method;
+      Frames frames, motions;
+      options.motion_sink = [&](const cv::Mat& motion) { motions.push_back(motion.clone()); };
+      animate(store.snapshot(), store.settings(), picture, matte, placement, options,
+              [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
+      EXPECT_LT(carried_error(frames, motions, inside), 0.5) << method.index() << " at " << fps;
+    }
 }
 
 TEST_P(Animated, StopsWhereItIsAskedTo) {

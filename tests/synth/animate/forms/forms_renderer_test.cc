@@ -1,11 +1,13 @@
 #include "synth/animate/forms/forms_renderer.h"
 
 #include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "freshet/error.h"
 #include "synth/animate/animate.h"
+#include "tests/synth/animate/carried_error.h"
 #include "tests/synth/animate/forms/burnt_film.h"
 
 namespace freshet::synth::animate {
@@ -84,6 +86,25 @@ TEST(Forms, TheFluidOverThePictureIsTheFrame) {
           EXPECT_NEAR(255 * (over[k] + (1 - over[3]) * picture.at<cv::Vec3f>(y, x)[k]),
                       whole.frames[i].at<cv::Vec3b>(y, x)[k], 0.51);
       }
+}
+
+TEST(Forms, TheirMotionLeadsToTheNextFrame) {
+  const FlowingStore store({BurningClip{}.clip()});
+  for (const bool loop : {false, true}) {
+    AnimateOptions options = forms();
+    options.loop = loop;
+    std::vector<cv::Mat> motions;
+    options.motion_sink = [&](const cv::Mat& motion) { motions.push_back(motion.clone()); };
+    std::vector<cv::Mat> frames = made_with(store, options).frames;
+    ASSERT_EQ(motions.size(), frames.size());
+    for (const cv::Mat& motion : motions) {
+      EXPECT_EQ(motion.type(), CV_32FC2);
+      EXPECT_EQ(cv::norm(motion, cv::NORM_INF, matte() == 0), 0);
+      EXPECT_LT(cv::norm(motion.at<cv::Vec2f>(30, 65)), 0.01) << "dark ground";
+    }
+    if (loop) frames.push_back(frames.front()), motions.push_back({});
+    EXPECT_LT(carried_error(frames, motions, matte()), 0.6) << loop;
+  }
 }
 
 TEST(Forms, SayWhatIsLacking) {

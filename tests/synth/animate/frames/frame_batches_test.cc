@@ -23,6 +23,7 @@ class Numbers final : public Renderer {
   int batch() const override { return batch_frames; }
   int first() const override { return first_frame; }
   cv::Mat motion(int) const override { return cv::Mat(4, 4, CV_32FC2, cv::Scalar::all(0)); }
+  cv::Mat step(int output) const override { return cv::Mat(4, 4, CV_32FC2, cv::Scalar::all(output)); }
   void read(std::span<const int> outputs) override {
     read_frames.emplace_back(outputs.begin(), outputs.end());
   }
@@ -98,6 +99,17 @@ TEST_F(FrameBatches, FramesThatAreNotWantedArePreparedAndNotFinished) {
 TEST_F(FrameBatches, ALoopBeginsWhereItsRendererSays) {
   numbers_.first_frame = 4;
   EXPECT_EQ(made({.frames = 6, .loop = true}), (std::vector{4, 5, 0, 1, 2, 3}));
+}
+
+TEST_F(FrameBatches, MotionComesForFramesThatAreWantedAsTheyAreShown) {
+  numbers_.first_frame = 2;
+  FrameOptions options{.frames = 12, .from = 5, .loop = true};
+  std::vector<int> motions;
+  options.motion_sink = [&](const cv::Mat& motion) {
+    motions.push_back(static_cast<int>(motion.at<cv::Vec2f>(3, 3)[1]));
+  };
+  EXPECT_EQ(made(options), motions);
+  EXPECT_EQ(motions, (std::vector{7, 8, 9, 10, 11, 0, 1}));
 }
 
 TEST_F(FrameBatches, MattesComeForFramesThatAreWanted) {
