@@ -71,8 +71,16 @@ struct Document {
   bool operator==(const Document&) const = default;
 };
 
-/// What is chosen of the animation without another labelling: visit(name, field, its range or its words). A document
-/// that is older than an option has its default.
+/// Settings of the method that makes the frames, by their names in `synth animate`, but '_' for '-'; not said there
+/// where they are a document's default: visit(name, field, its range or its words).
+template <class Visit>
+void each_method_setting(const Visit& visit) {
+  visit("layout", &Document::layout, std::vector<std::string>{"", "goes", "stands"});
+  visit("detail_life", &Document::detail_life, 0.0, 60.0);
+}
+
+/// What is chosen of the animation without another labelling, likewise. A document that is older than an option has its
+/// default.
 template <class Visit>
 void each_option(const Visit& visit) {
   using Words = std::vector<std::string>;
@@ -80,9 +88,8 @@ void each_option(const Visit& visit) {
   visit("speed", &Document::speed, 0.0, 20.0);
   visit("horizon", &Document::horizon, Words{"auto", "none"});
   visit("moving_outline", &Document::moving_outline);
-  visit("layout", &Document::layout, Words{"", "goes", "stands"});
-  visit("detail_life", &Document::detail_life, 0.0, 60.0);
   visit("flames", &Document::flames, Words{"", "clips"});
+  each_method_setting(visit);
 }
 
 /// What a document holds of the ways (ways/way.h): visit(the way's name, field, how it is read, how it is written).

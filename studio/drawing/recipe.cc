@@ -1,5 +1,7 @@
 #include "studio/drawing/recipe.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "studio/drawing/toml_text.h"
@@ -9,9 +11,11 @@ namespace freshet::studio {
 std::vector<std::pair<std::string, std::string>> method_settings_of(const Document& document) {
   if (!document.flames.empty()) return {{"method", "forms"}, {"flames", document.flames}};
   std::vector<std::pair<std::string, std::string>> settings;
-  if (!document.layout.empty()) settings.emplace_back("layout", document.layout);
-  if (document.detail_life != 0)
-    settings.emplace_back("detail-life", fmt::format("{}", document.detail_life));
+  const Document usual;
+  each_method_setting([&](std::string name, auto field, const auto&...) {
+    std::ranges::replace(name, '_', '-');
+    if (document.*field != usual.*field) settings.emplace_back(name, fmt::format("{}", document.*field));
+  });
   return settings;
 }
 
