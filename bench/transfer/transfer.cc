@@ -3,17 +3,19 @@
 //   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER]
 //                  [--curve MPIX,...] [--json FILE]
 //
-// EXEMPLAR is NAME[:GROUND][@DESIGN]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
+// EXEMPLAR is NAME[:GROUND][@DESIGN][*SPEED]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
 // a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
-// DESIGN: a preset of freshet synth simulate (plume, firepit, ...), or disc, which is lobed and turns. A
-// frame is three quarters as high as wide, an exemplar half as high as the frame: patches must repeat. First
-// it checks what every frame promises: K and K + 1 uses only, no patch of the other segment. Then, by
-// exemplar and method (uniform; nearest, which is Kwatra et al. 2005; uniform without coherence), over the
-// frames:
+// DESIGN: a preset of freshet synth simulate (plume, firepit, ...), or disc, which is lobed and turns.
+// SPEED: every so many frames of the exemplar; below 0 backwards. A frame is three quarters as high as wide, an
+// exemplar half as high as the frame: patches must repeat. First it checks what every frame promises: K and
+// K + 1 uses only, no patch of the other segment. Then, by exemplar and method (uniform; nearest, which is Kwatra
+// et al. 2005; stabilised, which is uniform of a video without its own motion; uniform without coherence), over
+// the frames:
 //   sharpness  mean squared Laplacian of grey, of the exemplar's
 //   structure  mean square of what is 4 to 8 px in size, of the exemplar's
 //   colours    L1 distance of colour histograms (8 x 8 x 8) from the exemplar's, 0 to 2
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
+//   slip       motion of the film less the design's, by optical flow where there is fluid: mean length, and mean, px
 // --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
 // and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
 // above 1 megapixel of the first. Prints tables; --json has every frame's numbers.
@@ -36,6 +38,7 @@
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
 #include "synth/transfer/files/exemplar_files.h"
+#include "synth/transfer/files/exemplar_motion.h"
 #include "synth/transfer/files/extent.h"
 #include "synth/transfer/forward_warp.h"
 #include "synth/transfer/transfer.h"
@@ -55,10 +58,17 @@ struct Settings {
 
 struct Look {
   std::string name;
-  std::vector<cv::Mat> frames;  // CV_32FC4
+  std::vector<cv::Mat> frames;     // CV_32FC4
+  std::vector<cv::Mat> back = {};  // ExemplarFrame::back; the first is 0
 
-  const cv::Mat& at(int t) const {
-    return frames[static_cast<std::size_t>(std::clamp(t, 0, static_cast<int>(frames.size()) - 1))];
+  const cv::Mat& at(int t) const { return frames[index(t)]; }
+  ExemplarFrame moment(int t, bool stabilised) const {
+    return {frames[index(t)], stabilised ? back[index(t)] : cv::Mat()};
+  }
+
+ private:
+  std::size_t index(int t) const {
+    return static_cast<std::size_t>(std::clamp(t, 0, static_cast<int>(frames.size()) - 1));
   }
 };
 
@@ -87,15 +97,21 @@ cv::Mat bgra_of(const synth::simulate::SimulatedFrame& frame) {
   return bgra;
 }
 
+void find_motion(Look& look) {
+  for (std::size_t t = 0; t < look.frames.size(); ++t)
+    look.back.push_back(t > 0 ? motion_between(look.frames[t], look.frames[t - 1])
+                              : cv::Mat(look.frames[t].size(), CV_32FC2, cv::Scalar::all(0)));
+}
+
 bool is_simulated(const std::string& name) {
   for (const synth::simulate::SceneKind kind : synth::simulate::all_clip_kinds())
     if (name == synth::simulate::scene_kind_name(kind)) return true;
   return false;
 }
 
-/// NAME[:GROUND][@DESIGN]
+/// NAME[:GROUND][@DESIGN][*SPEED]
 struct Asked {
-  std::string name, ground = "none", design = "disc";
+  std::string name, ground = "none", design = "disc", speed = "1";
 };
 Asked parse_exemplar(std::string text) {
   Asked asked;
@@ -105,6 +121,7 @@ Asked parse_exemplar(std::string text) {
     part = text.substr(at + 1);
     text.resize(at);
   };
+  cut('*', asked.speed);
   cut('@', asked.design);
   cut(':', asked.ground);
   asked.name = text;
@@ -130,23 +147,27 @@ Look read_look(const Asked& asked, const std::vector<TargetFrame>& design, int h
         {.kind = synth::simulate::parse_scene_kind(asked.name), .size = size, .frames = frames, .seed = 5});
     for (synth::simulate::SimulatedFrame frame; scene.next(frame);)
       look.frames.push_back(scaled(bgra_of(frame), 1.0 / 6));
+    find_motion(look);
     return look;
   }
+  const int speed = std::stoi(asked.speed);
   const ExemplarOptions options{.ground = asked.ground == "black"   ? Ground::kBlack
                                           : asked.ground == "white" ? Ground::kWhite
                                                                     : Ground::kNone,
-                                .frames = frames};
+                                .frames = frames * std::max(1, std::abs(speed))};
   ExemplarFiles files =
       std::filesystem::exists(asked.name)
           ? ExemplarFiles(asked.name, options)
           : ExemplarFiles(store::Store::open_read(store_path).snapshot(), asked.name, options);
   if (!design.empty()) files.fit_body(extent_of_all(design), {});
   files.check();
-  for (int t = 0; t < (files.frames() > 1 ? frames : 1); ++t) {
+  const bool moves = files.frames() > 1;
+  for (int t = 0; t < (moves ? frames : 1); ++t) {
     cv::Mat values;
-    files.at(t).bgra.convertTo(values, CV_32F, 1 / 65535.0);
+    files.at(speed < 0 ? (frames - 1 - t) * -speed : t * speed).bgra.convertTo(values, CV_32F, 1 / 65535.0);
     look.frames.push_back(scaled(values, static_cast<double>(height) / values.rows));
   }
+  find_motion(look);
   return look;
 }
 
@@ -248,18 +269,39 @@ double change(const cv::Mat& now, const cv::Mat& before, const TargetFrame& desi
   return pixels > 0 ? 255 * sum / pixels : 0;
 }
 
+/// Mean of the motion seen less the design's where there is fluid, and of its length, px a frame.
+struct Slip {
+  cv::Vec2d mean;
+  double length = 0;
+};
+Slip slip(const cv::Mat& now, const cv::Mat& before, const cv::Mat& design_flow) {
+  const cv::Mat off = motion_between(before, now) - design_flow;
+  Slip sum;
+  double pixels = 1e-9;
+  for (int y = 0; y < now.rows; ++y)
+    for (int x = 0; x < now.cols; ++x) {
+      if (before.at<cv::Vec4f>(y, x)[3] < 0.9f) continue;
+      sum.mean += cv::Vec2d(off.at<cv::Vec2f>(y, x));
+      sum.length += cv::norm(off.at<cv::Vec2f>(y, x));
+      ++pixels;
+    }
+  return {sum.mean / pixels, sum.length / pixels};
+}
+
 struct Method {
   const char* name;
   TransferOptions options;
+  bool stabilised = false;
 };
 std::vector<Method> methods() {
   return {{"uniform", {}},
           {"nearest", {.vote_power = 0.6, .retrieval = Retrieval::kNearest}},  // as Kwatra et al. vote
+          {"stabilised", {}, true},
           {"no coherence", {.lambda = 0, .start = Start::kRandom}}};
 }
 
 struct Series {
-  std::vector<double> sharpness, structure, colours, change;
+  std::vector<double> sharpness, structure, colours, change, slip, slip_x, slip_y;
   int not_uniform = 0;
   std::int64_t violations = 0;
   double cpu_s = 0;
@@ -274,7 +316,7 @@ double mean(const std::vector<double>& of, std::size_t from, std::size_t to) {
 Series run(const Look& look, const std::vector<TargetFrame>& design, const Method& method,
            const Settings& settings) {
   Series series;
-  Transfer transfer([&](int t) { return ExemplarFrame{look.at(t)}; }, method.options);
+  Transfer transfer([&](int t) { return look.moment(t, method.stabilised); }, method.options);
   cv::Mat before;
   for (std::size_t t = 0; t < design.size(); ++t) {
     const double start = bench::process_seconds();
@@ -284,7 +326,13 @@ Series run(const Look& look, const std::vector<TargetFrame>& design, const Metho
     series.sharpness.push_back(sharpness(made.bgra) / sharpness(of));
     series.structure.push_back(structure(made.bgra) / structure(of));
     series.colours.push_back(l1(colours(made.bgra), colours(of)));
-    if (t > 0) series.change.push_back(change(made.bgra, before, design[t - 1]));
+    if (t > 0) {
+      series.change.push_back(change(made.bgra, before, design[t - 1]));
+      const Slip slipped = slip(made.bgra, before, design[t - 1].flow);
+      series.slip.push_back(slipped.length);
+      series.slip_x.push_back(slipped.mean[0]);
+      series.slip_y.push_back(slipped.mean[1]);
+    }
     series.not_uniform += !(made.boundary.uniform() && made.interior.uniform());
     series.violations += made.violations;
     before = made.bgra;
@@ -359,8 +407,8 @@ int main(int argc, char** argv) try {
       {"machine", to_json(machine)}, {"runs", nlohmann::json::array()}, {"curve", nlohmann::json::array()}};
   fmt::print(
       "| exemplar | method | sharpness, frames 1-10 | last 30 | structure, 1-10 | last 30 | colours, 1-10 | "
-      "last 30 | change | not uniform | violations | CPU s per frame |\n"
-      "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n");
+      "last 30 | change | slip | slip x, y | not uniform | violations | CPU s per frame |\n"
+      "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n");
   int failed = 0;
   for (const std::string& name : settings.exemplars) {
     if (settings.frames < 1) break;
@@ -368,17 +416,21 @@ int main(int argc, char** argv) try {
     const std::vector<TargetFrame> design = design_of(asked.design, settings);
     const Look look = read_look(asked, design, settings.size().height / 2, settings.frames, settings.store);
     for (const Method& method : methods()) {
+      if (method.stabilised && look.frames.size() == 1) continue;
       const Series series = run(look, design, method, settings);
       const std::size_t n = series.sharpness.size(), early = std::min<std::size_t>(n, 10),
                         late = n - std::min<std::size_t>(n, 30);
       const bool must_be_uniform = method.options.retrieval == Retrieval::kUniform;
       failed += series.violations > 0 || (must_be_uniform && series.not_uniform > 0);
       fmt::print(
-          "| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {} | {} | {:.2f} |\n",
+          "| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.2f} | {:.2f}, "
+          "{:.2f} | {} | {} | {:.2f} |\n",
           look.name, method.name, mean(series.sharpness, 0, early), mean(series.sharpness, late, n),
           mean(series.structure, 0, early), mean(series.structure, late, n), mean(series.colours, 0, early),
-          mean(series.colours, late, n), mean(series.change, 0, series.change.size()), series.not_uniform,
-          series.violations, series.cpu_s / static_cast<double>(n));
+          mean(series.colours, late, n), mean(series.change, 0, series.change.size()),
+          mean(series.slip, 0, series.slip.size()), mean(series.slip_x, 0, series.slip_x.size()),
+          mean(series.slip_y, 0, series.slip_y.size()), series.not_uniform, series.violations,
+          series.cpu_s / static_cast<double>(n));
       std::fflush(stdout);
       json["runs"].push_back({{"exemplar", look.name},
                               {"design", asked.design},
@@ -388,6 +440,7 @@ int main(int argc, char** argv) try {
                               {"structure", series.structure},
                               {"colours", series.colours},
                               {"change", series.change},
+                              {"slip", series.slip},
                               {"not_uniform", series.not_uniform},
                               {"violations", series.violations},
                               {"cpu_s", series.cpu_s}});

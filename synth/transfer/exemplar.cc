@@ -1,6 +1,7 @@
 #include "synth/transfer/exemplar.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -22,6 +23,37 @@ void check_frame(const ExemplarFrame& frame, const TransferOptions& options) {
                             frame.bgra.rows, min_side, min_side, options.patch),
                 "Give a larger picture");
   }
+  if (!frame.back.empty() && (frame.back.type() != CV_32FC2 || frame.back.size() != frame.bgra.size() ||
+                              !cv::checkRange(frame.back)))
+    throw Error(ErrorKind::kInput, "exemplar", "its flow is of another size than its frame, or not finite");
+}
+
+// Its vectors turn with it.
+VectorGrid quarter_turned_flow(const VectorGrid& flow, int turns) {
+  VectorGrid out = quarter_turned(flow, turns);
+  for (Vec2& by : out.values)
+    for (int turn = 0; turn < turns; ++turn) by = {by.y, -by.x};
+  return out;
+}
+
+// Each pixel as it was where it came from.
+PixelGrid fetched(const PixelGrid& picture, const VectorGrid& back) {
+  PixelGrid out(picture.width, picture.height);
+  for_rows(out.height, [&](int y) {
+    for (int x = 0; x < out.width; ++x) {
+      const Vec2 by = back(x, y);
+      const Tap tx = tap(static_cast<float>(x) + by.x, out.width),
+                ty = tap(static_cast<float>(y) + by.y, out.height);
+      const Pixel* a = picture.row(ty.index) + tx.index;
+      const Pixel* b = picture.row(ty.index + ty.step) + tx.index;
+      for (int c = 0; c < 4; ++c) {
+        const float top = a[0].c[c] + (a[tx.step].c[c] - a[0].c[c]) * tx.weight;
+        const float bottom = b[0].c[c] + (b[tx.step].c[c] - b[0].c[c]) * tx.weight;
+        out(x, y).c[c] = top + (bottom - top) * ty.weight;
+      }
+    }
+  });
+  return out;
 }
 
 struct Turned {
@@ -80,7 +112,13 @@ PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previo
   PreparedExemplar prepared;
   prepared.size = frame.bgra.size();
   const PixelGrid now = premultiplied(frame.bgra);
-  const PixelGrid before = previous.bgra.data == frame.bgra.data ? now : premultiplied(previous.bgra);
+  PixelGrid before = previous.bgra.data == frame.bgra.data ? now : premultiplied(previous.bgra);
+  if (!frame.back.empty()) {
+    const VectorGrid back = vectors_of(frame.back);
+    before = fetched(before, back);
+    for (int turn = 0; turn < options.quarter_turns; ++turn)
+      prepared.back.push_back(quarter_turned_flow(back, turn));
+  }
   const Grid alpha = alpha_of(now);
   prepared.opaque = *std::min_element(alpha.values.begin(), alpha.values.end()) >= 254.5f / 255;
   const Grid blurred_alpha = blurred(alpha, options.radius);
@@ -101,6 +139,20 @@ PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previo
                 "Give a picture whose alpha is above the lower threshold somewhere");
   }
   return prepared;
+}
+
+void follow(const PreparedExemplar& exemplar, GridOf<std::int32_t>& places) {
+  if (exemplar.back.empty()) return;
+  const ExemplarLevel& finest = exemplar.levels.front();
+  for (std::int32_t& place : places.values) {
+    if (place < 0 || place >= static_cast<std::int32_t>(finest.now.values.size())) continue;
+    ExemplarLevel::Place at = finest.split(place);
+    const VectorGrid& back = exemplar.back[static_cast<std::size_t>(at.turn)];
+    const Vec2 by = back(std::min(at.x, back.width - 1), std::min(at.y, back.height - 1));
+    at.x = static_cast<int>(std::floor(static_cast<float>(at.x) - by.x + 0.5f));
+    at.y = static_cast<int>(std::floor(static_cast<float>(at.y) - by.y + 0.5f));
+    place = at.x < 0 || at.y < 0 || at.x >= back.width || at.y >= back.height ? -1 : finest.join(at);
+  }
 }
 
 }  // namespace freshet::synth::transfer

@@ -1,6 +1,7 @@
 // synth/transfer/exemplar.h — one moment of the exemplar, ready to be searched at every level.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "synth/transfer/features.h"
@@ -28,7 +29,8 @@ struct ExemplarLevel {
 struct PreparedExemplar {
   std::vector<ExemplarLevel> levels;  // the finest first
   cv::Size size;
-  bool opaque = false;  // no pixel is transparent
+  bool opaque = false;           // no pixel is transparent
+  std::vector<VectorGrid> back;  // ExemplarFrame::back by turn, of the finest level; empty: not stabilised
 };
 
 /// previous   the frame before; it may be the same.
@@ -36,5 +38,9 @@ struct PreparedExemplar {
 /// Throws     Error{kInput} as Transfer::next says.
 PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previous, int levels,
                          const TransferOptions& options);
+
+/// Where what lay at places of the finest level, in the frame before, lies now, as near as whole px come; -1:
+/// outside. The flow of a place is taken for the one that led away from it, as carried() does.
+void follow(const PreparedExemplar& exemplar, GridOf<std::int32_t>& places);
 
 }  // namespace freshet::synth::transfer

@@ -80,6 +80,16 @@ Grid grid_of(const cv::Mat& alpha) {
   return out;
 }
 
+VectorGrid vectors_of(const cv::Mat& flow) {
+  VectorGrid out(flow.cols, flow.rows);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const cv::Vec2f by = flow.at<cv::Vec2f>(y, x);
+      out(x, y) = {by[0], by[1]};
+    }
+  return out;
+}
+
 Grid alpha_of(const PixelGrid& picture) {
   Grid out(picture.width, picture.height);
   for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] = picture.values[i].c[3];

@@ -22,6 +22,8 @@ cv::Mat straight(const PixelGrid& picture);
 
 /// alpha  CV_8U or CV_32F. As above.
 Grid grid_of(const cv::Mat& alpha);
+/// flow  CV_32FC2.
+VectorGrid vectors_of(const cv::Mat& flow);
 Grid alpha_of(const PixelGrid& picture);
 
 /// Mean of blocks of 2 x 2; sizes are rounded up, what a block lacks is repeated from its own edge.

@@ -62,6 +62,10 @@ struct ExemplarFrame {
   /// CV_8UC4, CV_16UC4 or CV_32FC4 (0..1), straight alpha; the colour of what is transparent counts for
   /// nothing. Never written to.
   cv::Mat bgra;
+  /// CV_32FC2, px, x right, y down: what lies at p lay at p + back in the frame before. The exemplar is stabilised by
+  /// it (Sec. 6): a patch is compared with where it came from, and goes on from there, so that the design alone moves
+  /// it. Empty: it lay at p (Sec. 4.3), and its own motion is added to the design's.
+  cv::Mat back = {};
 };
 
 /// The look at frame t, called from the thread that calls Transfer::next, for t and t - 1. t begins at -1,

@@ -112,7 +112,7 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
       {"bench_transfer",
        {fall, "--frames", "2", "--width", "64"},
        "measurements/transfer.md",
-       {"exemplar", "method", "sharpness", "uniform", "nearest", "no coherence"}},
+       {"exemplar", "method", "sharpness", "slip", "uniform", "nearest", "stabilised", "no coherence"}},
       {"bench_layers",
        {still, still, "--width", "100", "--no-smoke", "--only", "alpha"},
        "measurements/layers.md",

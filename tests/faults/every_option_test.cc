@@ -320,6 +320,7 @@ const std::vector<Row>& rows() {
       {"synth transfer", "--exemplar-alpha look_mask.png"},
       {"synth transfer", "--ground black", "--exemplar still.png"},
       {"synth transfer", "--exemplar-scale 0.5"},
+      {"synth transfer", "--stabilise", "--exemplar clip1.mkv"},
       {"synth transfer", "--design design", "=synth transfer --exemplar look.png --frames 2 -o out/%03d.png"},
       {"synth transfer", "--alpha-sequence masks"},
       {"synth transfer", "--flow-sequence still_flow"},

@@ -191,6 +191,7 @@ nlohmann::json job_of(const TransferCommand& command, const transfer::DesignFile
           {"initialise", command.initialise},
           {"search", command.search},
           {"rotations", command.rotations},
+          {"stabilise", command.exemplar_options.stabilise},
           {"motion-blur", options.motion_blur},
           {"seed", options.seed}};
 }
@@ -345,6 +346,10 @@ class TransferRun {
       composite_.emplace(std::move(*opened));
     fit(command_, design_, exemplar_);
     check(exemplar_, "checking the exemplar");
+    if (command_.exemplar_options.stabilise && exemplar_.frames() == 1)
+      throw Error(ErrorKind::kUsage, "--stabilise",
+                  command_.exemplar + " is one picture, which does not move",
+                  "Leave it out, or give a video");
     progress_.finish();
     say_what_was_found(command_, design_, exemplar_);
   }
@@ -487,6 +492,11 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
                  "Size of the exemplar's structure in the animation, of its own: at 1 px stay px [smaller "
                  "than that where it has more fluid than the design, with an outline]")
       ->check(CLI::Range(0.05, 4.0))
+      ->group(look);
+  sub.add_flag("--stabilise", command.exemplar_options.stabilise,
+               "Take the exemplar's own motion out of it, so that the design alone moves its texture; for "
+               "videos that "
+               "move faster than the design, or another way. Textures become a little softer [off]")
       ->group(look);
   sub.add_option("--design", command.design,
                  "A folder that freshet synth simulate left: its alpha/ and flow/")

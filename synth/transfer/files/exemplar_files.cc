@@ -21,6 +21,7 @@
 #include "stored/clip_frames.h"
 #include "stored/clip_loop.h"
 #include "synth/playing/timeline.h"
+#include "synth/transfer/files/exemplar_motion.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -171,6 +172,7 @@ struct ExemplarFiles::Impl {
   cv::Mat average;                       // of a loop's frames, premultiplied
   std::string hash;
   std::deque<std::pair<int, cv::Mat>> remembered;
+  std::pair<int, cv::Mat> motion{0, {}};  // of the moment that was last asked for, from the one before
 
   /// One of its own frames, with the alpha and of the size that are asked for.
   cv::Mat own(int frame) const {
@@ -223,6 +225,16 @@ struct ExemplarFiles::Impl {
       cv::scaleAdd(difference, at.weight[i], sum, sum);
     }
     return straight(sum);
+  }
+
+  /// Of a moment by its frame of the animation; a still has one.
+  cv::Mat picture(int key) {
+    for (const auto& [known, picture] : remembered)
+      if (known == key) return picture;
+    const cv::Mat picture = moments.empty() ? own(0) : moment(moments[static_cast<std::size_t>(key)]);
+    if (remembered.size() == kRemembered) remembered.pop_front();
+    remembered.emplace_back(key, picture);
+    return picture;
   }
 
   void open_masks() {
@@ -352,17 +364,15 @@ const std::vector<std::string>& ExemplarFiles::notices() const { return impl_->n
 
 ExemplarFrame ExemplarFiles::at(int t) {
   Impl& exemplar = *impl_;
-  // A still has one moment.
   const int key =
       exemplar.moments.empty() ? 0 : std::clamp(t, 0, static_cast<int>(exemplar.moments.size()) - 1);
-  for (const auto& [known, picture] : exemplar.remembered)
-    if (known == key) return {.bgra = picture};
-  cv::Mat picture = exemplar.moments.empty()
-                        ? exemplar.own(0)
-                        : exemplar.moment(exemplar.moments[static_cast<std::size_t>(key)]);
-  if (exemplar.remembered.size() == kRemembered) exemplar.remembered.pop_front();
-  exemplar.remembered.emplace_back(key, picture);
-  return {.bgra = picture};
+  ExemplarFrame frame{exemplar.picture(key)};
+  if (!exemplar.options.stabilise || key == 0) return frame;
+  auto& [moved, back] = exemplar.motion;
+  if (moved != key) back = motion_between(frame.bgra, exemplar.picture(key - 1));
+  moved = key;
+  frame.back = back;
+  return frame;
 }
 
 }  // namespace freshet::synth::transfer

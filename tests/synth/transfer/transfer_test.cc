@@ -138,6 +138,32 @@ TEST(Transfer, AVideoExemplarsFramesAreThoseShown) {
               cv::mean(look_planes[1], look_planes[3] == 255)[0] / 255, 0.03);
 }
 
+TEST(Transfer, AStabilisedExemplarsOwnMotionIsNotTheDesigns) {
+  // A wall that rises by 2 px a frame, on a design in which nothing moves.
+  const cv::Mat wall = blot({96, 130}, 2)(cv::Rect(24, 36, 48, 66)).clone();
+  const cv::Size size(64, 52);
+  const TargetFrame design{cv::Mat(size, CV_8U, cv::Scalar(255)),
+                           cv::Mat(size, CV_32FC2, cv::Scalar::all(0))};
+  double changes[2] = {0, 0};
+  for (const bool stabilised : {false, true}) {
+    Transfer transfer(
+        [&](int t) {
+          const cv::Rect window(0, 2 * std::max(t, 0), 48, 44);
+          return ExemplarFrame{wall(window).clone(),
+                               stabilised ? cv::Mat(window.size(), CV_32FC2, cv::Scalar(0, 2)) : cv::Mat()};
+        },
+        {.iterations = 2});
+    cv::Mat before;
+    for (int t = 0; t < 8; ++t) {
+      const cv::Mat now = transfer.next(design).bgra;
+      if (t > 0) changes[stabilised] += cv::norm(now, before, cv::NORM_L1);
+      before = now;
+    }
+  }
+  std::printf("[ measured ] change per frame, stabilised / as printed: %.3f\n", changes[1] / changes[0]);
+  EXPECT_LT(changes[1], 0.4 * changes[0]);
+}
+
 TEST(Transfer, NamesSourcesOfTurnedExemplarsAsTheyWereGiven) {
   // Half red, half blue: what a patch shows must be what stands at its address.
   cv::Mat look(40, 52, CV_8UC4, cv::Scalar(255, 0, 0, 255));

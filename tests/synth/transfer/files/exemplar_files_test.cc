@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "media/video/video_writer.h"
@@ -83,6 +84,28 @@ TEST_F(ExemplarFilesTest, AShortOneLoopsWhereItIsLikeItself) {
     worst = std::max(worst,
                      cv::norm(eight_bits(exemplar.at(t)).reshape(1), wave(t, 15).reshape(1), cv::NORM_INF));
   EXPECT_LE(worst, 2);
+}
+
+TEST_F(ExemplarFilesTest, MomentsThatAreStabilisedSayWhereTheyCameFrom) {
+  cv::Mat wall(64, 120, CV_8UC1), coloured;
+  cv::RNG(1).fill(wall, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(wall, wall, {}, 2);
+  cv::normalize(wall, wall, 0, 255, cv::NORM_MINMAX);
+  cv::cvtColor(wall, coloured, cv::COLOR_GRAY2BGRA);
+  for (int i = 0; i < 6; ++i)  // to the left
+    cv::imwrite(folder_ / "frames" / (std::to_string(i) + ".png"), coloured.colRange(2 * i, 80 + 2 * i));
+  ExemplarFiles plain(folder_ / "frames", {.frames = 6}),
+      stabilised(folder_ / "frames", {.frames = 6, .stabilise = true});
+  plain.check();
+  stabilised.check();
+  EXPECT_TRUE(plain.at(3).back.empty());
+  EXPECT_TRUE(stabilised.at(0).back.empty());
+  const cv::Mat back = stabilised.at(3).back;
+  ASSERT_EQ(back.type(), CV_32FC2);
+  EXPECT_EQ(cv::norm(stabilised.at(3).bgra, plain.at(3).bgra, cv::NORM_INF), 0);
+  const cv::Scalar mean = cv::mean(back(cv::Rect(16, 16, 48, 32)));
+  EXPECT_NEAR(mean[0], 2, 0.1);
+  EXPECT_NEAR(mean[1], 0, 0.1);
 }
 
 TEST_F(ExemplarFilesTest, AVideoIsWhatItsFramesAre) {
