@@ -9,13 +9,14 @@
 // SPEED: every so many frames of the exemplar; below 0 backwards. A frame is three quarters as high as wide, an
 // exemplar half as high as the frame: patches must repeat. First it checks what every frame promises: K and
 // K + 1 uses only, no patch of the other segment. Then, by exemplar and method (uniform; nearest, which is Kwatra
-// et al. 2005; stabilised, which is uniform of a video without its own motion; uniform without coherence), over
-// the frames:
+// et al. 2005; stabilised, which is uniform of a video without its own motion; curved and diverging, which are
+// uniform with a guide of weight 1; uniform without coherence), over the frames:
 //   sharpness  mean squared Laplacian of grey, of the exemplar's
 //   structure  mean square of what is 4 to 8 px in size, of the exemplar's
 //   colours    L1 distance of colour histograms (8 x 8 x 8) from the exemplar's, 0 to 2
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
 //   slip       motion of the film less the design's, by optical flow where there is fluid: mean length, and mean, px
+//   curvature, divergence  of the design at a patch and of the exemplar at its source: correlation
 // --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
 // and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
 // above 1 megapixel of the first. Prints tables; --json has every frame's numbers.
@@ -37,6 +38,7 @@
 #include "store/store.h"
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
+#include "synth/transfer/features.h"
 #include "synth/transfer/files/exemplar_files.h"
 #include "synth/transfer/files/exemplar_motion.h"
 #include "synth/transfer/files/extent.h"
@@ -59,12 +61,10 @@ struct Settings {
 struct Look {
   std::string name;
   std::vector<cv::Mat> frames;     // CV_32FC4
-  std::vector<cv::Mat> back = {};  // ExemplarFrame::back; the first is 0
+  std::vector<cv::Mat> back = {};  // ExemplarFrame::back
 
   const cv::Mat& at(int t) const { return frames[index(t)]; }
-  ExemplarFrame moment(int t, bool stabilised) const {
-    return {frames[index(t)], stabilised ? back[index(t)] : cv::Mat()};
-  }
+  ExemplarFrame moment(int t) const { return {frames[index(t)], back[index(t)]}; }
 
  private:
   std::size_t index(int t) const {
@@ -99,8 +99,12 @@ cv::Mat bgra_of(const synth::simulate::SimulatedFrame& frame) {
 
 void find_motion(Look& look) {
   for (std::size_t t = 0; t < look.frames.size(); ++t)
-    look.back.push_back(t > 0 ? motion_between(look.frames[t], look.frames[t - 1])
-                              : cv::Mat(look.frames[t].size(), CV_32FC2, cv::Scalar::all(0)));
+    if (t > 0)
+      look.back.push_back(motion_between(look.frames[t], look.frames[t - 1]));
+    else if (look.frames.size() == 1)
+      look.back.emplace_back(look.frames[t].size(), CV_32FC2, cv::Scalar::all(0));
+    else
+      look.back.push_back(-motion_between(look.frames[0], look.frames[1]));
 }
 
 bool is_simulated(const std::string& name) {
@@ -288,20 +292,49 @@ Slip slip(const cv::Mat& now, const cv::Mat& before, const cv::Mat& design_flow)
   return {sum.mean / pixels, sum.length / pixels};
 }
 
+/// How the guides of targets go with those of the sources that they got: correlations, of all patches.
+struct Agreement {
+  double curvature = 0, divergence = 0;
+};
+double correlation(const std::vector<cv::Vec2d>& pairs) {
+  cv::Vec2d mean;
+  for (const cv::Vec2d& each : pairs) mean += each / static_cast<double>(pairs.size());
+  double both = 0, first = 1e-12, second = 1e-12;
+  for (const cv::Vec2d& each : pairs) {
+    const cv::Vec2d off = each - mean;
+    both += off[0] * off[1], first += off[0] * off[0], second += off[1] * off[1];
+  }
+  return both / std::sqrt(first * second);
+}
+Agreement agreement(const TransferredFrame& made, const TargetFrame& target, const ExemplarFrame& look) {
+  const Guides of_target = guides_of(grid_of(target.alpha), vectors_of(target.flow), {}),
+               of_look = guides_of(alpha_of(premultiplied(look.bgra)), vectors_of(-look.back), {});
+  std::vector<cv::Vec2d> curvatures, divergences;
+  for (int y = 0; y < made.nearest.rows; ++y)
+    for (int x = 0; x < made.nearest.cols; ++x) {
+      const cv::Vec3i of = made.nearest.at<cv::Vec3i>(y, x);
+      if (of[0] < 0) continue;
+      curvatures.emplace_back(of_target.curvature(x, y), of_look.curvature(of[0], of[1]));
+      divergences.emplace_back(of_target.divergence(x, y), of_look.divergence(of[0], of[1]));
+    }
+  return {correlation(curvatures), correlation(divergences)};
+}
+
 struct Method {
   const char* name;
   TransferOptions options;
-  bool stabilised = false;
 };
 std::vector<Method> methods() {
   return {{"uniform", {}},
           {"nearest", {.vote_power = 0.6, .retrieval = Retrieval::kNearest}},  // as Kwatra et al. vote
-          {"stabilised", {}, true},
+          {"stabilised", {.stabilised = true}},
+          {"curved", {.curvature = 1}},
+          {"diverging", {.divergence = 1}},
           {"no coherence", {.lambda = 0, .start = Start::kRandom}}};
 }
 
 struct Series {
-  std::vector<double> sharpness, structure, colours, change, slip, slip_x, slip_y;
+  std::vector<double> sharpness, structure, colours, change, slip, slip_x, slip_y, curvature, divergence;
   int not_uniform = 0;
   std::int64_t violations = 0;
   double cpu_s = 0;
@@ -316,7 +349,7 @@ double mean(const std::vector<double>& of, std::size_t from, std::size_t to) {
 Series run(const Look& look, const std::vector<TargetFrame>& design, const Method& method,
            const Settings& settings) {
   Series series;
-  Transfer transfer([&](int t) { return look.moment(t, method.stabilised); }, method.options);
+  Transfer transfer([&](int t) { return look.moment(t); }, method.options);
   cv::Mat before;
   for (std::size_t t = 0; t < design.size(); ++t) {
     const double start = bench::process_seconds();
@@ -326,6 +359,9 @@ Series run(const Look& look, const std::vector<TargetFrame>& design, const Metho
     series.sharpness.push_back(sharpness(made.bgra) / sharpness(of));
     series.structure.push_back(structure(made.bgra) / structure(of));
     series.colours.push_back(l1(colours(made.bgra), colours(of)));
+    const Agreement agreed = agreement(made, design[t], look.moment(static_cast<int>(t)));
+    series.curvature.push_back(agreed.curvature);
+    series.divergence.push_back(agreed.divergence);
     if (t > 0) {
       series.change.push_back(change(made.bgra, before, design[t - 1]));
       const Slip slipped = slip(made.bgra, before, design[t - 1].flow);
@@ -407,8 +443,9 @@ int main(int argc, char** argv) try {
       {"machine", to_json(machine)}, {"runs", nlohmann::json::array()}, {"curve", nlohmann::json::array()}};
   fmt::print(
       "| exemplar | method | sharpness, frames 1-10 | last 30 | structure, 1-10 | last 30 | colours, 1-10 | "
-      "last 30 | change | slip | slip x, y | not uniform | violations | CPU s per frame |\n"
-      "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n");
+      "last 30 | change | slip | slip x, y | curvature | divergence | not uniform | violations | CPU s per "
+      "frame |\n"
+      "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n");
   int failed = 0;
   for (const std::string& name : settings.exemplars) {
     if (settings.frames < 1) break;
@@ -416,7 +453,7 @@ int main(int argc, char** argv) try {
     const std::vector<TargetFrame> design = design_of(asked.design, settings);
     const Look look = read_look(asked, design, settings.size().height / 2, settings.frames, settings.store);
     for (const Method& method : methods()) {
-      if (method.stabilised && look.frames.size() == 1) continue;
+      if ((method.options.stabilised || method.options.divergence > 0) && look.frames.size() == 1) continue;
       const Series series = run(look, design, method, settings);
       const std::size_t n = series.sharpness.size(), early = std::min<std::size_t>(n, 10),
                         late = n - std::min<std::size_t>(n, 30);
@@ -424,12 +461,13 @@ int main(int argc, char** argv) try {
       failed += series.violations > 0 || (must_be_uniform && series.not_uniform > 0);
       fmt::print(
           "| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.2f} | {:.2f}, "
-          "{:.2f} | {} | {} | {:.2f} |\n",
+          "{:.2f} | {:.2f} | {:.2f} | {} | {} | {:.2f} |\n",
           look.name, method.name, mean(series.sharpness, 0, early), mean(series.sharpness, late, n),
           mean(series.structure, 0, early), mean(series.structure, late, n), mean(series.colours, 0, early),
           mean(series.colours, late, n), mean(series.change, 0, series.change.size()),
           mean(series.slip, 0, series.slip.size()), mean(series.slip_x, 0, series.slip_x.size()),
-          mean(series.slip_y, 0, series.slip_y.size()), series.not_uniform, series.violations,
+          mean(series.slip_y, 0, series.slip_y.size()), mean(series.curvature, 0, n),
+          mean(series.divergence, 0, n), series.not_uniform, series.violations,
           series.cpu_s / static_cast<double>(n));
       std::fflush(stdout);
       json["runs"].push_back({{"exemplar", look.name},

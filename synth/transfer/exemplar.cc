@@ -59,6 +59,7 @@ PixelGrid fetched(const PixelGrid& picture, const VectorGrid& back) {
 struct Turned {
   PixelGrid now, previous;
   Grid blurred_alpha;
+  Guides guides;
 };
 
 template <typename T>
@@ -77,12 +78,17 @@ ExemplarLevel make_level(const std::vector<Turned>& turned, const TransferOption
   level.segments.of = GridOf<Segment>(width, height, Segment::kNone);
   PixelGrid previous(width, height);
   Grid blurred_alpha(width, height);
+  Guides guides{blurred_alpha, blurred_alpha};
   for (int turn = 0; turn < turns; ++turn) {
     const Turned& one = turned[static_cast<std::size_t>(turn)];
     level.sizes.emplace_back(one.now.width, one.now.height);
     paste(one.now, turn * level.block, level.now);
     paste(one.previous, turn * level.block, previous);
     paste(one.blurred_alpha, turn * level.block, blurred_alpha);
+    if (guided(options)) {
+      paste(one.guides.curvature, turn * level.block, guides.curvature);
+      paste(one.guides.divergence, turn * level.block, guides.divergence);
+    }
     Segments own;
     segment(one.blurred_alpha, options.lower, options.upper, options.patch / 2, own);
     paste(own.of, turn * level.block, level.segments.of);
@@ -91,6 +97,7 @@ ExemplarLevel make_level(const std::vector<Turned>& turned, const TransferOption
   put_now(level.now, level.features);
   put_previous(previous, level.features);
   put_blurred_alpha(blurred_alpha, options.eta, level.features);
+  if (guided(options)) put_guides(guides, options, level.features);
   return level;
 }
 
@@ -113,8 +120,8 @@ PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previo
   prepared.size = frame.bgra.size();
   const PixelGrid now = premultiplied(frame.bgra);
   PixelGrid before = previous.bgra.data == frame.bgra.data ? now : premultiplied(previous.bgra);
-  if (!frame.back.empty()) {
-    const VectorGrid back = vectors_of(frame.back);
+  VectorGrid back = frame.back.empty() ? VectorGrid(now.width, now.height) : vectors_of(frame.back);
+  if (options.stabilised && !frame.back.empty()) {
     before = fetched(before, back);
     for (int turn = 0; turn < options.quarter_turns; ++turn)
       prepared.back.push_back(quarter_turned_flow(back, turn));
@@ -122,13 +129,24 @@ PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previo
   const Grid alpha = alpha_of(now);
   prepared.opaque = *std::min_element(alpha.values.begin(), alpha.values.end()) >= 254.5f / 255;
   const Grid blurred_alpha = blurred(alpha, options.radius);
+  Guides guides;
+  if (guided(options)) {
+    for (Vec2& by : back.values) by = {-by.x, -by.y};
+    guides = guides_of(alpha, back, options);
+  }
   std::vector<Turned> turned;
   for (int turn = 0; turn < options.quarter_turns; ++turn)
-    turned.push_back(
-        {quarter_turned(now, turn), quarter_turned(before, turn), quarter_turned(blurred_alpha, turn)});
+    turned.push_back({quarter_turned(now, turn),
+                      quarter_turned(before, turn),
+                      quarter_turned(blurred_alpha, turn),
+                      {quarter_turned(guides.curvature, turn), quarter_turned(guides.divergence, turn)}});
   for (int k = 0; k < levels; ++k) {
     if (k > 0)
-      for (Turned& one : turned) one = {halved(one.now), halved(one.previous), halved(one.blurred_alpha)};
+      for (Turned& one : turned)
+        one = {halved(one.now),
+               halved(one.previous),
+               halved(one.blurred_alpha),
+               {halved(one.guides.curvature), halved(one.guides.divergence)}};
     if (std::min(turned[0].now.width, turned[0].now.height) < options.patch) break;
     ExemplarLevel level = make_level(turned, options);
     if (level.segments[Segment::kBoundary].empty() && level.segments[Segment::kInterior].empty()) break;

@@ -174,6 +174,20 @@ void put_blurred_alpha(const Grid& blurred_alpha, double eta, Features& to) {
     to.values[i * kChannels + 4] = level(blurred_alpha.values[i], scale);
 }
 
+Guides guides_of(const Grid& alpha, const VectorGrid& flow, const TransferOptions& options) {
+  const double scale = 2 * options.radius;
+  return {curvature(blurred(alpha, scale), scale), divergence(flow, alpha, scale)};
+}
+
+void put_guides(const Guides& guides, const TransferOptions& options, Features& to) {
+  const auto side = static_cast<float>(options.patch);
+  const float curvature = side * static_cast<float>(std::sqrt(options.curvature)),
+              divergence = side * static_cast<float>(std::sqrt(options.divergence));
+  to.guides.resize(guides.curvature.values.size());
+  for (std::size_t i = 0; i < to.guides.size(); ++i)
+    to.guides[i] = {curvature * guides.curvature.values[i], divergence * guides.divergence.values[i]};
+}
+
 PatchDistance::Kernel PatchDistance::kernel(int patch, int vector_bytes) {
   switch (patch) {
     case 3:
@@ -193,6 +207,8 @@ PatchDistance::PatchDistance(const Features& source, const Features& target, con
       source_row_(static_cast<std::ptrdiff_t>(source.width) * kChannels),
       target_row_(static_cast<std::ptrdiff_t>(target.width) * kChannels),
       lambda_(lambda.data()),
+      source_guides_(source.guides.empty() ? nullptr : source.guides.data()),
+      target_guides_(target.guides.empty() ? nullptr : target.guides.data()),
       kernel_(kernel(patch, vector_bytes())) {
   const std::ptrdiff_t half = patch / 2;
   source_ = source.values.data() - half * (source_row_ + kChannels);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "synth/transfer/pixel_grid.h"
+#include "synth/transfer/transfer.h"
 
 namespace freshet::synth::transfer {
 
@@ -21,6 +22,7 @@ inline constexpr float kUnit = 1023.0f;
 struct Features {
   int width = 0, height = 0;
   std::vector<std::int16_t> values;  // row-major, and 64 more, which the widest read runs into
+  std::vector<Vec2> guides;          // by pixel: Guides, times the roots of their weights; empty: none
 
   Features() = default;
   Features(int w, int h);
@@ -30,7 +32,19 @@ void put_now(const PixelGrid& now, Features& to);
 void put_blurred_alpha(const Grid& blurred_alpha, double eta, Features& to);
 void put_previous(const PixelGrid& previous, Features& to);
 
-/// D of Eq. 9.
+/// What a patch's centre is compared by beside Eq. 9, -1..1: the outline's curvature and the flow's divergence (Sec. 6).
+struct Guides {
+  Grid curvature, divergence;
+};
+inline bool guided(const TransferOptions& options) { return options.curvature > 0 || options.divergence > 0; }
+/// At a scale of twice the radius: finer bends of an outline are in its alpha.
+///
+/// flow  px a frame, of alpha's size.
+Guides guides_of(const Grid& alpha, const VectorGrid& flow, const TransferOptions& options);
+/// Weights are of a pixel's channel, as eta is: the centre's guides count as those of all pixels of its patch.
+void put_guides(const Guides& guides, const TransferOptions& options, Features& to);
+
+/// D of Eq. 9, and of the guides where both have them.
 class PatchDistance {
  public:
   /// lambda  one per target pixel: a patch has that of its centre. All outlive this.
@@ -40,8 +54,12 @@ class PatchDistance {
   float operator()(int source, int target) const {
     const Parts parts = kernel_(source_ + static_cast<std::ptrdiff_t>(source) * kChannels, source_row_,
                                 target_ + static_cast<std::ptrdiff_t>(target) * kChannels, target_row_);
-    return (static_cast<float>(parts.now) + lambda_[target] * static_cast<float>(parts.previous)) *
-           (1.0f / (kUnit * kUnit));
+    const float distance =
+        (static_cast<float>(parts.now) + lambda_[target] * static_cast<float>(parts.previous)) *
+        (1.0f / (kUnit * kUnit));
+    if (source_guides_ == nullptr) return distance;
+    const Vec2 a = source_guides_[source], b = target_guides_[target];
+    return distance + ((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
   }
 
   /// Begins to read a patch from memory that will be compared soon.
@@ -69,6 +87,7 @@ class PatchDistance {
   const std::int16_t *source_, *target_;  // of index 0's patch, which is never read
   std::ptrdiff_t source_row_, target_row_;
   const float* lambda_;
+  const Vec2 *source_guides_, *target_guides_;  // null: none
   Kernel kernel_;
 };
 

@@ -22,6 +22,8 @@ void check(const TransferOptions& options) {
   }
   range("lambda", options.lambda, 0, 1);
   range("eta", options.eta, 0, 16);
+  range("curvature", options.curvature, 0, 16);
+  range("divergence", options.divergence, 0, 16);
   range("radius", options.radius, 0.5, 50);
   range("lower", options.lower, 0, 1);
   range("upper", options.upper, 0, 1);

@@ -99,6 +99,56 @@ Grid alpha_of(const PixelGrid& picture) {
 PixelGrid halved(const PixelGrid& picture) { return halved_of(picture); }
 Grid halved(const Grid& grid) { return halved_of(grid); }
 
+namespace {
+// Central differences, one-sided at the edges.
+Vec2 slope(const Grid& grid, int x, int y) {
+  const int left = std::max(x - 1, 0), right = std::min(x + 1, grid.width - 1), above = std::max(y - 1, 0),
+            below = std::min(y + 1, grid.height - 1);
+  return {(grid(right, y) - grid(left, y)) / static_cast<float>(std::max(1, right - left)),
+          (grid(x, below) - grid(x, above)) / static_cast<float>(std::max(1, below - above))};
+}
+float within_one(double value) { return static_cast<float>(std::clamp(value, -1.0, 1.0)); }
+}  // namespace
+
+Grid curvature(const Grid& blurred_alpha, double scale) {
+  // Slopes far below those of an outline have no direction.
+  const auto least = static_cast<float>(0.05 / scale);
+  Grid across(blurred_alpha.width, blurred_alpha.height), down = across, out = across;
+  for_rows(out.height, [&](int y) {
+    for (int x = 0; x < out.width; ++x) {
+      const Vec2 by = slope(blurred_alpha, x, y);
+      const float length = std::sqrt(by.x * by.x + by.y * by.y + least * least);
+      across(x, y) = by.x / length;
+      down(x, y) = by.y / length;
+    }
+  });
+  for_rows(out.height, [&](int y) {
+    for (int x = 0; x < out.width; ++x)
+      out(x, y) = within_one(-scale * static_cast<double>(slope(across, x, y).x + slope(down, x, y).y));
+  });
+  return out;
+}
+
+Grid divergence(const VectorGrid& flow, const Grid& alpha, double sigma) {
+  Grid across(flow.width, flow.height), down = across, out = across, weight = alpha;
+  for (std::size_t i = 0; i < out.values.size(); ++i) {
+    across.values[i] = alpha.values[i] * flow.values[i].x;
+    down.values[i] = alpha.values[i] * flow.values[i].y;
+  }
+  weight = blurred(weight, sigma), across = blurred(across, sigma), down = blurred(down, sigma);
+  for (std::size_t i = 0; i < out.values.size(); ++i) {
+    const float by = std::max(weight.values[i], 1e-3f);
+    across.values[i] /= by;
+    down.values[i] /= by;
+  }
+  constexpr double kGain = 5;
+  for_rows(out.height, [&](int y) {
+    for (int x = 0; x < out.width; ++x)
+      out(x, y) = within_one(kGain * static_cast<double>(slope(across, x, y).x + slope(down, x, y).y));
+  });
+  return out;
+}
+
 Grid blurred(const Grid& grid, double sigma) {
   const int reach = static_cast<int>(std::ceil(3 * sigma));
   std::vector<float> weights(static_cast<std::size_t>(reach) + 1);

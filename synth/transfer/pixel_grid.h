@@ -34,6 +34,18 @@ Grid halved(const Grid& grid);
 /// last bit from machine to machine, and a threshold follows.
 Grid blurred(const Grid& grid, double sigma);
 
+/// Of the outline, where blurred alpha rises: 1 where it bends around fluid with a radius of `scale` px, below 0 where
+/// around what is none, 0 where it is straight and where there is none. -1..1.
+///
+/// blurred_alpha  by at least 2 px.
+Grid curvature(const Grid& blurred_alpha, double scale);
+
+/// Growth of area along a flow, 5 times its share a frame: 1 where a frame makes six of five px. -1..1.
+///
+/// flow   px a frame; what has alpha 0 counts for nothing.
+/// sigma  px, of the blur over which it is taken: motion that is found by optical flow is rough.
+Grid divergence(const VectorGrid& flow, const Grid& alpha, double sigma);
+
 /// Anticlockwise, turns 0..3.
 template <typename T>
 GridOf<T> quarter_turned(const GridOf<T>& grid, int turns) {

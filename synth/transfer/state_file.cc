@@ -37,16 +37,14 @@ std::uint64_t hash(const char* bytes, std::size_t count) {
 
 // Of everything that changes a frame; the seed too, as a run that goes on with another one is another run.
 std::uint64_t digest(const TransferOptions& o) {
-  const double numbers[] = {o.lambda, o.eta, o.radius, o.lower, o.upper, o.vote_power, o.motion_blur};
-  const std::uint64_t whole[] = {static_cast<std::uint64_t>(o.patch),
-                                 static_cast<std::uint64_t>(o.levels),
-                                 static_cast<std::uint64_t>(o.iterations),
-                                 static_cast<std::uint64_t>(o.passes),
-                                 static_cast<std::uint64_t>(o.retrieval),
-                                 static_cast<std::uint64_t>(o.start),
-                                 static_cast<std::uint64_t>(o.search),
-                                 static_cast<std::uint64_t>(o.quarter_turns),
-                                 o.seed};
+  const double numbers[] = {o.lambda,     o.eta,         o.radius,    o.lower,     o.upper,
+                            o.vote_power, o.motion_blur, o.curvature, o.divergence};
+  const std::uint64_t whole[] = {
+      static_cast<std::uint64_t>(o.patch),      static_cast<std::uint64_t>(o.levels),
+      static_cast<std::uint64_t>(o.iterations), static_cast<std::uint64_t>(o.passes),
+      static_cast<std::uint64_t>(o.retrieval),  static_cast<std::uint64_t>(o.start),
+      static_cast<std::uint64_t>(o.search),     static_cast<std::uint64_t>(o.quarter_turns),
+      static_cast<std::uint64_t>(o.stabilised), o.seed};
   return hash(reinterpret_cast<const char*>(numbers), sizeof numbers) ^
          scramble(hash(reinterpret_cast<const char*>(whole), sizeof whole));
 }

@@ -18,7 +18,7 @@ GridOf<T> with_margin(const GridOf<T>& grid, int margin) {
 
 }  // namespace
 
-std::vector<TargetLevel> target_levels(Grid blurred_alpha, Past past, std::size_t levels,
+std::vector<TargetLevel> target_levels(Grid blurred_alpha, Guides guides, Past past, std::size_t levels,
                                        const TransferOptions& options) {
   const int margin = options.patch / 2;
   std::vector<TargetLevel> made;
@@ -27,6 +27,7 @@ std::vector<TargetLevel> target_levels(Grid blurred_alpha, Past past, std::size_
       blurred_alpha = halved(blurred_alpha);
       past.picture = halved(past.picture);
       past.lambda = halved(past.lambda);
+      if (guided(options)) guides = {halved(guides.curvature), halved(guides.divergence)};
     }
     TargetLevel level;
     level.blurred_alpha = with_margin(blurred_alpha, margin);
@@ -36,6 +37,9 @@ std::vector<TargetLevel> target_levels(Grid blurred_alpha, Past past, std::size_
     level.features = Features(level.previous.width, level.previous.height);
     put_blurred_alpha(level.blurred_alpha, options.eta, level.features);
     put_previous(level.previous, level.features);
+    if (guided(options))
+      put_guides({with_margin(guides.curvature, margin), with_margin(guides.divergence, margin)}, options,
+                 level.features);
     made.push_back(std::move(level));
   }
   return made;

@@ -35,7 +35,7 @@ inline bool has_past(float local_lambda, double lambda) {
 }
 
 /// So many levels, the finest first. All grids are of the frame's size.
-std::vector<TargetLevel> target_levels(Grid blurred_alpha, Past past, std::size_t levels,
+std::vector<TargetLevel> target_levels(Grid blurred_alpha, Guides guides, Past past, std::size_t levels,
                                        const TransferOptions& options);
 
 /// The frame within the margin that a level has around it.

@@ -233,7 +233,9 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
   Past past = past_of(mask);
   made.lambda = cv::Mat(mask.height, mask.width, CV_32F, past.lambda.values.data()).clone();
   const std::size_t levels = prepared.levels.size();
-  std::vector<TargetLevel> targets = target_levels(blurred(mask, options.radius), past, levels, options);
+  std::vector<TargetLevel> targets =
+      target_levels(blurred(mask, options.radius),
+                    guided(options) ? guides_of(mask, flow, options) : Guides(), past, levels, options);
   clock.add_to(&TransferSeconds::prepare);
 
   // From the coarsest level to the finest.

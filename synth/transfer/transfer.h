@@ -34,12 +34,16 @@ struct TransferOptions {
   int patch = 5;        // px per side, odd, 3 to 9
   double lambda = 0.2;  // 0 to 1: weight of temporal coherence
   double eta = 3;       // 0 to 16: weight of the blurred alpha; less: richer boundaries
-  double radius = 3;    // px, 0.5 to 50: standard deviation of the blur of alpha
-  double lower = 0.1;   // blurred alpha from here is the boundary
-  double upper = 0.9;   // and from here the interior
-  int levels = 0;       // of the pyramid, 1 to 10; 0: as many as leave the shorter side 24 px
-  int iterations = 4;   // of retrieval and vote, per level; half at full size where there is a frame before
-  int passes = 4;       // of the search, per retrieval
+  /// Sec. 6 names them: 0 to 16 each, weights as eta's of what a patch's centre is compared by: how the outline bends
+  /// there, and how the flow spreads, the exemplar's own by ExemplarFrame::back.
+  double curvature = 0, divergence = 0;
+  bool stabilised = false;  // the exemplar, by ExemplarFrame::back
+  double radius = 3;        // px, 0.5 to 50: standard deviation of the blur of alpha
+  double lower = 0.1;       // blurred alpha from here is the boundary
+  double upper = 0.9;       // and from here the interior
+  int levels = 0;           // of the pyramid, 1 to 10; 0: as many as leave the shorter side 24 px
+  int iterations = 4;  // of retrieval and vote, per level; half at full size where there is a frame before
+  int passes = 4;      // of the search, per retrieval
   /// 0 to 4: where patches overlap, one counts as (its distance)^-vote_power. 0.6 is Kwatra et al. 2005;
   /// Wexler et al. 2007 weigh more steeply. At 0.6 a picture and a clip of fire kept 0.59 and 0.61 of their
   /// sharpness (mean squared Laplacian), at 2 0.82 and 0.87.
@@ -106,8 +110,9 @@ struct TransferredFrame {
   /// CV_32SC3: the source patch of the patch centred here: x, y of its centre in the exemplar, and quarter
   /// turns of the exemplar, anticlockwise; -1 where there is no patch.
   cv::Mat nearest;
-  cv::Mat distance;  // CV_32F: D of Eq. 9 of that pair, colours 0..1; 0 where there is no patch
-  cv::Mat lambda;    // CV_32F: Eq. 6
+  cv::Mat
+      distance;  // CV_32F: D of Eq. 9 of that pair, and its guides', colours 0..1; 0 where there is no patch
+  cv::Mat lambda;  // CV_32F: Eq. 6
   SegmentUse boundary, interior;
   std::int64_t violations =
       0;  // target patches whose source is of the other segment, of an exemplar with both

@@ -335,6 +335,8 @@ const std::vector<Row>& rows() {
       {"synth transfer", "--patch 7"},
       {"synth transfer", "--lambda 0.9"},
       {"synth transfer", "--eta 0"},
+      {"synth transfer", "--curvature 4"},
+      {"synth transfer", "--divergence 4", "--exemplar clip1.mkv"},
       {"synth transfer", "--blur-radius 1"},
       {"synth transfer", "--lower 0.4"},
       {"synth transfer", "--upper 0.6"},

@@ -181,6 +181,8 @@ nlohmann::json job_of(const TransferCommand& command, const transfer::DesignFile
           {"patch", options.patch},
           {"lambda", options.lambda},
           {"eta", options.eta},
+          {"curvature", options.curvature},
+          {"divergence", options.divergence},
           {"blur-radius", options.radius},
           {"lower", options.lower},
           {"upper", options.upper},
@@ -191,7 +193,7 @@ nlohmann::json job_of(const TransferCommand& command, const transfer::DesignFile
           {"initialise", command.initialise},
           {"search", command.search},
           {"rotations", command.rotations},
-          {"stabilise", command.exemplar_options.stabilise},
+          {"stabilise", options.stabilised},
           {"motion-blur", options.motion_blur},
           {"seed", options.seed}};
 }
@@ -257,6 +259,7 @@ transfer::ExemplarFiles open_exemplar(const TransferCommand& command, int frames
                                                : transfer::Ground::kNone;
   options.patch = command.options.patch;
   options.frames = frames;
+  options.motion = command.options.stabilised || command.options.divergence > 0;
   options.scale = command.exemplar_scale.value_or(1);
   if (command.store.empty()) return {command.exemplar, options};
   return {store::Store::open_read(command.store).snapshot(), command.exemplar, options};
@@ -346,10 +349,14 @@ class TransferRun {
       composite_.emplace(std::move(*opened));
     fit(command_, design_, exemplar_);
     check(exemplar_, "checking the exemplar");
-    if (command_.exemplar_options.stabilise && exemplar_.frames() == 1)
-      throw Error(ErrorKind::kUsage, "--stabilise",
+    if ((command_.options.stabilised || command_.options.divergence > 0) && exemplar_.frames() == 1)
+      throw Error(ErrorKind::kUsage, command_.options.stabilised ? "--stabilise" : "--divergence",
                   command_.exemplar + " is one picture, which does not move",
                   "Leave it out, or give a video");
+    if (command_.options.curvature > 0 && exemplar_.opaque())
+      throw Error(ErrorKind::kUsage, "--curvature",
+                  command_.exemplar + " is opaque: it has no outline that bends",
+                  "Leave it out, or give the exemplar's mask with --exemplar-alpha");
     progress_.finish();
     say_what_was_found(command_, design_, exemplar_);
   }
@@ -493,7 +500,7 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
                  "than that where it has more fluid than the design, with an outline]")
       ->check(CLI::Range(0.05, 4.0))
       ->group(look);
-  sub.add_flag("--stabilise", command.exemplar_options.stabilise,
+  sub.add_flag("--stabilise", command.options.stabilised,
                "Take the exemplar's own motion out of it, so that the design alone moves its texture; for "
                "videos that "
                "move faster than the design, or another way. Textures become a little softer [off]")
@@ -573,6 +580,13 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
   number("--lambda", options.lambda, "Weight of temporal coherence, 0 to 1", 0.0, 1.0);
   number("--eta", options.eta, "Weight of the distance to the outline; less: more varied boundaries", 0.0,
          16.0);
+  number("--curvature", options.curvature,
+         "Weight of the outline's curvature: patches of tips go to tips, of hollows to hollows; 1 is much",
+         0.0, 16.0);
+  number("--divergence", options.divergence,
+         "Weight of how the flow spreads: patches of a video's spreading fluid go where the design's "
+         "spreads; 1 is much",
+         0.0, 16.0);
   number("--blur-radius", options.radius, "Blur of the masks that finds the boundary, px", 0.5, 50.0);
   number("--lower", options.lower, "Blurred alpha above which a pixel is boundary, 0 to 1", 0.0, 1.0);
   number("--upper", options.upper, "Blurred alpha above which a pixel is interior, 0 to 1", 0.0, 1.0);

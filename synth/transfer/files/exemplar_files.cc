@@ -172,7 +172,7 @@ struct ExemplarFiles::Impl {
   cv::Mat average;                       // of a loop's frames, premultiplied
   std::string hash;
   std::deque<std::pair<int, cv::Mat>> remembered;
-  std::pair<int, cv::Mat> motion{0, {}};  // of the moment that was last asked for, from the one before
+  std::pair<int, cv::Mat> motion{-1, {}};  // of the moment that was last asked for
 
   /// One of its own frames, with the alpha and of the size that are asked for.
   cv::Mat own(int frame) const {
@@ -367,9 +367,11 @@ ExemplarFrame ExemplarFiles::at(int t) {
   const int key =
       exemplar.moments.empty() ? 0 : std::clamp(t, 0, static_cast<int>(exemplar.moments.size()) - 1);
   ExemplarFrame frame{exemplar.picture(key)};
-  if (!exemplar.options.stabilise || key == 0) return frame;
+  if (!exemplar.options.motion || exemplar.moments.size() < 2) return frame;
   auto& [moved, back] = exemplar.motion;
-  if (moved != key) back = motion_between(frame.bgra, exemplar.picture(key - 1));
+  if (moved != key)
+    back = key > 0 ? motion_between(frame.bgra, exemplar.picture(key - 1))
+                   : cv::Mat(-motion_between(frame.bgra, exemplar.picture(1)));
   moved = key;
   frame.back = back;
   return frame;

@@ -30,7 +30,7 @@ struct ExemplarOptions {
   double body_begins = kBodyBegins;  // of light on black, as take_off_ground says
   int patch = 5;                     // px per side, of the transfer: an exemplar has room for two each way
   int frames = 1;                    // of the animation
-  bool stabilise = false;            // moments bring their flow back to the one before
+  bool motion = false;               // moments of a video have their ExemplarFrame::back
 };
 
 /// Frame by frame as the animation goes; where it is shorter, looped by the rules of a store's clips: from a
@@ -70,7 +70,7 @@ class ExemplarFiles {
   const std::vector<std::string>& notices() const;  // for a person
 
   /// What the look is at frame t of the animation, CV_16UC4; the first for t < 0. The same Mat for a moment
-  /// that is still remembered (the last four). A moment after the first is stabilised where that is asked for.
+  /// that is still remembered (the last four).
   ExemplarFrame at(int t);
 
  private:

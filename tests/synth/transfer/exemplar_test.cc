@@ -37,16 +37,15 @@ int most_apart(const ExemplarLevel& level, int inset) {
 }
 
 TEST(PreparedExemplar, OneThatIsStabilisedIsComparedWithWhereItCameFrom) {
-  ExemplarFrame now = rising(1);
-  EXPECT_EQ(most_apart(prepare(now, rising(0), 1, {}).levels.front(), kRise), 0);
-  now.back.release();
+  const ExemplarFrame now = rising(1);
+  EXPECT_EQ(most_apart(prepare(now, rising(0), 1, {.stabilised = true}).levels.front(), kRise), 0);
   EXPECT_GT(most_apart(prepare(now, rising(0), 1, {}).levels.front(), kRise), 100);
 }
 
 TEST(PreparedExemplar, PlacesGoOnAsItsFluidDoesAlsoWhereItIsTurned) {
   ExemplarFrame frame = rising(1);
   frame.back.setTo(cv::Scalar(-2.4, 3.4));  // it goes right and up
-  const PreparedExemplar exemplar = prepare(frame, rising(0), 1, {.quarter_turns = 4});
+  const PreparedExemplar exemplar = prepare(frame, rising(0), 1, {.stabilised = true, .quarter_turns = 4});
   const ExemplarLevel& finest = exemplar.levels.front();
   const auto place_of = [&](int x, int y, int turn) {
     GridOf<std::uint8_t> mark(frame.bgra.cols, frame.bgra.rows, 0);
@@ -64,6 +63,22 @@ TEST(PreparedExemplar, PlacesGoOnAsItsFluidDoesAlsoWhereItIsTurned) {
   for (int turn = 0; turn < 4; ++turn) EXPECT_EQ(places(turn, 0), place_of(12, 9, turn)) << turn;
   EXPECT_EQ(places(4, 0), -1) << "it leaves the picture";
   EXPECT_EQ(places(5, 0), -1);
+}
+
+TEST(PreparedExemplar, GuidesTurnWithIt) {
+  const ExemplarFrame frame = rising(1);
+  const ExemplarLevel level =
+      prepare(frame, rising(0), 1, {.curvature = 1, .quarter_turns = 4}).levels.front();
+  VectorGrid guides(level.now.width, level.now.height);
+  guides.values = level.features.guides;
+  double bent = 0;
+  for (int y = 0; y < frame.bgra.rows; ++y)
+    for (int x = 0; x < frame.bgra.cols; ++x) {
+      const float here = guides(x, y).x;
+      bent += static_cast<double>(std::abs(here));
+      EXPECT_EQ(here, guides(y, frame.bgra.cols - 1 - x + level.block).x);
+    }
+  EXPECT_GT(bent, 100);
 }
 
 TEST(PreparedExemplar, RefusesAFlowOfAnotherSize) {

@@ -59,6 +59,15 @@ TEST(TransferFeatures, DistanceIsEquationNine) {
               0.2);
 }
 
+TEST(TransferFeatures, GuidesOfTheCentreCountAsThoseOfAllPixels) {
+  Features source(5, 5), target(5, 5);
+  const std::vector<float> lambda(25, 0.0f);
+  const TransferOptions options{.curvature = 2, .divergence = 3};
+  put_guides({Grid(5, 5, 0.5f), Grid(5, 5, -0.25f)}, options, source);
+  put_guides({Grid(5, 5, 0.25f), Grid(5, 5, 0.25f)}, options, target);
+  EXPECT_NEAR(PatchDistance(source, target, lambda, 5)(12, 12), 25 * (2 * 0.0625 + 3 * 0.25), 1e-4);
+}
+
 TEST(TransferFeatures, TheLargestSumFits) {
   PixelGrid white(9, 9), black(9, 9);
   for (Pixel& pixel : white.values) pixel = {{1, 1, 1, 1}};

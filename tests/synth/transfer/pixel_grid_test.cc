@@ -1,5 +1,8 @@
 #include "synth/transfer/pixel_grid.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "synth/transfer/segments.h"
@@ -59,6 +62,38 @@ TEST(TransferSegments, FollowTheThresholdsAndKeepTheMargin) {
   // Tiles are not torn apart.
   const std::vector<int>& list = out[Segment::kBoundary];
   for (std::size_t i = 1; i < list.size(); ++i) ASSERT_LE(tile_of(list[i - 1], 40), tile_of(list[i], 40));
+}
+
+Grid disc(double radius) {
+  Grid alpha(96, 96);
+  for (int y = 0; y < 96; ++y)
+    for (int x = 0; x < 96; ++x)
+      alpha(x, y) = static_cast<float>(std::clamp(radius - std::hypot(x - 47.5, y - 47.5) + 0.5, 0.0, 1.0));
+  return alpha;
+}
+
+TEST(TransferPicture, CurvatureIsThatOfTheOutline) {
+  for (const double radius : {12.0, 24.0}) {
+    Grid alpha = blurred(disc(radius), 4);
+    const auto at_rim = static_cast<int>(47.5 + radius);
+    EXPECT_NEAR(curvature(alpha, 4)(at_rim, 47), 4 / radius, 0.06);
+    for (float& value : alpha.values) value = 1 - value;
+    EXPECT_NEAR(curvature(alpha, 4)(at_rim, 47), -4 / radius, 0.06) << "a hole bends the other way";
+    EXPECT_NEAR(curvature(alpha, 4)(2, 2), 0, 1e-3) << "where there is no outline";
+  }
+}
+
+TEST(TransferPicture, DivergenceIsTheGrowthOfArea) {
+  VectorGrid flow(64, 48);
+  Grid alpha(64, 48);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) {
+      alpha(x, y) = x < 48;
+      flow(x, y) =
+          x < 48 ? Vec2{0.03f * static_cast<float>(x), -0.01f * static_cast<float>(y)} : Vec2{90, 90};
+    }
+  EXPECT_NEAR(divergence(flow, alpha, 2)(24, 24), 5 * 0.02, 1e-3);
+  EXPECT_NEAR(divergence(flow, alpha, 2)(45, 24), 5 * 0.02, 0.1) << "beside what is no fluid";
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "synth/transfer/features.h"
 #include "tests/harness/scratch_folder.h"
 #include "tests/synth/transfer/made_exemplar.h"
 
@@ -149,10 +150,9 @@ TEST(Transfer, AStabilisedExemplarsOwnMotionIsNotTheDesigns) {
     Transfer transfer(
         [&](int t) {
           const cv::Rect window(0, 2 * std::max(t, 0), 48, 44);
-          return ExemplarFrame{wall(window).clone(),
-                               stabilised ? cv::Mat(window.size(), CV_32FC2, cv::Scalar(0, 2)) : cv::Mat()};
+          return ExemplarFrame{wall(window).clone(), cv::Mat(window.size(), CV_32FC2, cv::Scalar(0, 2))};
         },
-        {.iterations = 2});
+        {.stabilised = stabilised, .iterations = 2});
     cv::Mat before;
     for (int t = 0; t < 8; ++t) {
       const cv::Mat now = transfer.next(design).bgra;
@@ -162,6 +162,72 @@ TEST(Transfer, AStabilisedExemplarsOwnMotionIsNotTheDesigns) {
   }
   std::printf("[ measured ] change per frame, stabilised / as printed: %.3f\n", changes[1] / changes[0]);
   EXPECT_LT(changes[1], 0.4 * changes[0]);
+}
+
+/// Mean red where `of` is above .3, less where it is below -.3.
+double redder(const cv::Mat& bgra, const Grid& of) {
+  double red[2] = {0, 0}, pixels[2] = {1e-9, 1e-9};
+  for (int y = 0; y < bgra.rows; ++y)
+    for (int x = 0; x < bgra.cols; ++x) {
+      const cv::Vec4f& pixel = bgra.at<cv::Vec4f>(y, x);
+      if (pixel[3] < 0.3f || std::abs(of(x, y)) < 0.3f) continue;
+      red[of(x, y) > 0] += static_cast<double>(pixel[2]);
+      ++pixels[of(x, y) > 0];
+    }
+  return red[1] / pixels[1] - red[0] / pixels[0];
+}
+
+TEST(Transfer, CurvatureBringsTipsToTips) {
+  // A lobed blot whose tips are red and whose hollows are not, on a lobed disc.
+  cv::Mat look = blot({96, 88}, 1);
+  const Grid bends = guides_of(alpha_of(premultiplied(look)), VectorGrid(96, 88), {}).curvature;
+  for (int y = 0; y < look.rows; ++y)
+    for (int x = 0; x < look.cols; ++x) look.at<cv::Vec4b>(y, x)[2] = bends(x, y) > 0 ? 255 : 0;
+  double red[2] = {0, 0};
+  for (const bool guided : {false, true}) {
+    Transfer transfer(still(look), {.curvature = guided ? 2.0 : 0.0, .iterations = 2});
+    for (int t = 0; t < 3; ++t) {
+      const TargetFrame target = turning_disc({108, 96}, t);
+      const Guides of = guides_of(grid_of(target.alpha), vectors_of(target.flow), {});
+      red[guided] += redder(transfer.next(target).bgra, of.curvature) / 3;
+    }
+  }
+  std::printf("[ measured ] tips redder than hollows by %.2f, without curvature %.2f\n", red[1], red[0]);
+  EXPECT_GT(red[1], red[0] + 0.2);
+}
+
+TEST(Transfer, DivergenceBringsWhatSpreadsToWhereItSpreads) {
+  // Red spreads in the exemplar's left half, and in the design's right half; what is not red gathers.
+  const auto spread = [](cv::Size size, double left) {
+    cv::Mat flow(size, CV_32FC2);
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const double side = x < size.width / 2 ? left : -left,
+                     middle = (x < size.width / 2 ? 0.25 : 0.75) * size.width;
+        flow.at<cv::Vec2f>(y, x) = {static_cast<float>(side * (x - middle)),
+                                    static_cast<float>(side * (y - 0.5 * size.height))};
+      }
+    return flow;
+  };
+  const cv::Size size(72, 60);
+  cv::Mat look = blot({144, 132}, 1)(cv::Rect(44, 40, 56, 52)).clone();
+  for (int y = 0; y < look.rows; ++y)
+    for (int x = 0; x < look.cols; ++x) look.at<cv::Vec4b>(y, x)[2] = x < look.cols / 2 ? 255 : 0;
+  const cv::Mat back = -spread(look.size(), 0.1);
+  const TargetFrame target{cv::Mat(size, CV_8U, cv::Scalar(255)), spread(size, -0.1)};
+  const Guides of = guides_of(grid_of(target.alpha), vectors_of(target.flow), {});
+  double red[2] = {0, 0};
+  for (const bool guided : {false, true}) {
+    Transfer transfer(
+        [&](int) {
+          return ExemplarFrame{look, back};
+        },
+        {.divergence = guided ? 2.0 : 0.0, .iterations = 2});
+    red[guided] = redder(transfer.next(target).bgra, of.divergence);
+  }
+  std::printf("[ measured ] what spreads redder than what gathers by %.2f, without divergence %.2f\n", red[1],
+              red[0]);
+  EXPECT_GT(red[1], red[0] + 0.4);
 }
 
 TEST(Transfer, NamesSourcesOfTurnedExemplarsAsTheyWereGiven) {
@@ -281,6 +347,8 @@ TEST(Transfer, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(refused({.patch = 4}));
   EXPECT_TRUE(refused({.patch = 11}));
   EXPECT_TRUE(refused({.lambda = -0.1}));
+  EXPECT_TRUE(refused({.curvature = 17}));
+  EXPECT_TRUE(refused({.divergence = -1}));
   EXPECT_TRUE(refused({.eta = std::numeric_limits<double>::quiet_NaN()}));
   EXPECT_TRUE(refused({.lower = 0.9, .upper = 0.1}));
   EXPECT_TRUE(refused({.iterations = 0}));
