@@ -1,7 +1,7 @@
 // Does appearance transfer keep the exemplar's look for 180 frames, does it hold together, what does it cost?
 //
 //   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER]
-//                  [--curve MPIX,...] [--json FILE]
+//                  [--curve MPIX,...] [--json FILE] [--method NAME]... [--sheet PICTURE]
 //
 // EXEMPLAR is NAME[:GROUND][@DESIGN][*SPEED]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
 // a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
@@ -17,6 +17,8 @@
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
 //   slip       motion of the film less the design's, by optical flow where there is fluid: mean length, and mean, px
 //   curvature, divergence  of the design at a patch and of the exemplar at its source: correlation
+// --method makes these methods alone. --sheet draws a row for each exemplar: itself, and frames of its first method
+// after each quarter of the time, as Fig. 10 of Jamriska et al. 2015 does for ten exemplars on one design.
 // --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
 // and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
 // above 1 megapixel of the first. Prints tables; --json has every frame's numbers.
@@ -24,6 +26,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -35,6 +38,7 @@
 #include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "media/picture/picture.h"
+#include "report/sheet_words.h"
 #include "store/store.h"
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
@@ -55,6 +59,8 @@ struct Settings {
   int frames = 180, width = 160;
   std::filesystem::path store, write, json_file;
   std::vector<double> curve;  // megapixels
+  std::set<std::string> methods;
+  std::filesystem::path sheet;
   cv::Size size() const { return {width, width * 3 / 4}; }
 };
 
@@ -333,6 +339,42 @@ std::vector<Method> methods() {
           {"no coherence", {.lambda = 0, .start = Start::kRandom}}};
 }
 
+/// Exemplars and their films, a row each.
+class Sheet {
+ public:
+  void begin_row(const Look& look, cv::Size frame) {
+    row_ = cv::Mat(frame.height + report::kSheetLine, kColumns * frame.width, CV_8UC3,
+                   cv::Scalar::all(report::kSheetPaper));
+    report::write_caption(row_, look.name, {4, row_.rows - 5}, row_.cols - 8);
+    const cv::Mat& first = look.at(0);
+    put(scaled(first, std::min(1.0, static_cast<double>(frame.width) / first.cols)), 0, frame);
+  }
+  /// One of its frames, of so many: those after each quarter are kept.
+  void add(const cv::Mat& bgra, std::size_t frame, std::size_t frames) {
+    for (std::size_t column = 1; column < kColumns; ++column)
+      if (frame + 1 == std::max<std::size_t>(1, column * frames / (kColumns - 1)))
+        put(bgra, static_cast<int>(column), bgra.size());
+  }
+  void end_row() { sheet_.push_back(row_); }
+  const cv::Mat& picture() const { return sheet_; }
+
+ private:
+  static constexpr std::size_t kColumns = 5;
+
+  void put(const cv::Mat& bgra, int column, cv::Size frame) {
+    cv::Mat cell = row_({column * frame.width, 0, frame.width, frame.height});
+    for (int y = 0; y < std::min(bgra.rows, cell.rows); ++y)
+      for (int x = 0; x < std::min(bgra.cols, cell.cols); ++x) {
+        const cv::Vec4f& pixel = bgra.at<cv::Vec4f>(y, x);
+        for (int c = 0; c < 3; ++c)
+          cell.at<cv::Vec3b>(y, x)[c] = cv::saturate_cast<std::uint8_t>(255 * pixel[c] * pixel[3] +
+                                                                        report::kSheetPaper * (1 - pixel[3]));
+      }
+  }
+
+  cv::Mat row_, sheet_;
+};
+
 struct Series {
   std::vector<double> sharpness, structure, colours, change, slip, slip_x, slip_y, curvature, divergence;
   int not_uniform = 0;
@@ -347,7 +389,7 @@ double mean(const std::vector<double>& of, std::size_t from, std::size_t to) {
 }
 
 Series run(const Look& look, const std::vector<TargetFrame>& design, const Method& method,
-           const Settings& settings) {
+           const Settings& settings, Sheet* sheet) {
   Series series;
   Transfer transfer([&](int t) { return look.moment(t); }, method.options);
   cv::Mat before;
@@ -372,6 +414,7 @@ Series run(const Look& look, const std::vector<TargetFrame>& design, const Metho
     series.not_uniform += !(made.boundary.uniform() && made.interior.uniform());
     series.violations += made.violations;
     before = made.bgra;
+    if (sheet != nullptr) sheet->add(made.bgra, t, design.size());
     if (!settings.write.empty() && (t % 30 == 0 || t + 1 == design.size())) {
       cv::Mat bytes;
       made.bgra.convertTo(bytes, CV_8U, 255);
@@ -435,6 +478,8 @@ int main(int argc, char** argv) try {
   app.option("--write", settings.write, "Folder for frames");
   app.option("--curve", settings.curve, "Sizes of one frame that are timed, Mpx").split_at(',').one_each();
   app.option("--json", settings.json_file, "Write the figures here");
+  app.option("--method", settings.methods, "Only this one; all").one_each();
+  app.option("--sheet", settings.sheet, "Draw the exemplars and their films here");
   app.parse(argc, argv);
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}; {} x {} px, {} frames\n\n", to_string(machine), settings.width, settings.size().height,
@@ -447,14 +492,19 @@ int main(int argc, char** argv) try {
       "frame |\n"
       "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n");
   int failed = 0;
+  Sheet sheet;
   for (const std::string& name : settings.exemplars) {
     if (settings.frames < 1) break;
     const Asked asked = parse_exemplar(name);
     const std::vector<TargetFrame> design = design_of(asked.design, settings);
     const Look look = read_look(asked, design, settings.size().height / 2, settings.frames, settings.store);
+    sheet.begin_row(look, settings.size());
+    bool drawn = false;
     for (const Method& method : methods()) {
+      if (!settings.methods.empty() && !settings.methods.contains(method.name)) continue;
       if ((method.options.stabilised || method.options.divergence > 0) && look.frames.size() == 1) continue;
-      const Series series = run(look, design, method, settings);
+      const Series series = run(look, design, method, settings, drawn ? nullptr : &sheet);
+      drawn = true;
       const std::size_t n = series.sharpness.size(), early = std::min<std::size_t>(n, 10),
                         late = n - std::min<std::size_t>(n, 30);
       const bool must_be_uniform = method.options.retrieval == Retrieval::kUniform;
@@ -483,7 +533,9 @@ int main(int argc, char** argv) try {
                               {"violations", series.violations},
                               {"cpu_s", series.cpu_s}});
     }
+    sheet.end_row();
   }
+  if (!settings.sheet.empty()) media::write_picture(settings.sheet, sheet.picture());
   if (!settings.curve.empty())
     curve(read_look(parse_exemplar(settings.exemplars[0]), {}, 360, 1, settings.store), settings.curve,
           json["curve"]);

@@ -32,7 +32,7 @@ void put_now(const PixelGrid& now, Features& to);
 void put_blurred_alpha(const Grid& blurred_alpha, double eta, Features& to);
 void put_previous(const PixelGrid& previous, Features& to);
 
-/// What a patch's centre is compared by beside Eq. 9, -1..1: the outline's curvature and the flow's divergence (Sec. 6).
+/// What a patch's centre is compared by beside Eq. 9, -1..1: the outline's curvature, the flow's divergence (Sec. 6).
 struct Guides {
   Grid curvature, divergence;
 };

@@ -113,6 +113,11 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
        {fall, "--frames", "2", "--width", "64"},
        "measurements/transfer.md",
        {"exemplar", "method", "sharpness", "slip", "uniform", "nearest", "stabilised", "no coherence"}},
+      {"bench_transfer",
+       {fall, other + "@plume", "--frames", "4", "--width", "64", "--method", "uniform", "--sheet",
+        "ten.png"},
+       "measurements/transfer.md",
+       {"exemplar", "sharpness", "colours", "change", "CPU s"}},
       {"bench_layers",
        {still, still, "--width", "100", "--no-smoke", "--only", "alpha"},
        "measurements/layers.md",
@@ -152,6 +157,7 @@ TEST(BenchRuns, EachPrintsTheNamesOfItsPublishedTable) {
     ran.insert(run.bench);
   }
   EXPECT_FALSE(cv::imread(folder / "guesses/one_hold.png").empty());
+  EXPECT_EQ(cv::imread(folder / "ten.png").size(), cv::Size(5 * 64, 2 * (48 + 18)));
   std::istringstream targets(FRESHET_BENCH_TARGETS);
   for (std::string name; targets >> name;) EXPECT_TRUE(ran.contains(name)) << name << " is run by no test";
 }
@@ -188,6 +194,28 @@ TEST(BenchRuns, FirstTakesOfAPictureComeToAFilmASheetAndARow) {
     EXPECT_NE(chapter.find(column), std::string::npos) << column;
   }
   EXPECT_FALSE(cv::imread(folder / "takes" / (name + ".png")).empty());
+}
+
+TEST(BenchRuns, SeveralFluidsAreLaidOverOnePicture) {
+  const WorkFolder folder;
+  const std::string fall = sample().clips / "fall/1.mkv", river = sample().clips / "river/1.mkv";
+  const Outcome outcome =
+      folder.run({"/usr/bin/env", "FRESHET=" FRESHET_EXECUTABLE, "sh",
+                  FRESHET_SOURCE_DIR "/bench/transfer/composition.sh", sample().still, "made", "3", "40x32",
+                  fall, "none", "waterfall-pool", "4,6", river, "none", "firepit", "50,40"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string chapter = text_of(FRESHET_SOURCE_DIR "/docs/measurements/transfer.md");
+  const std::string head = outcome.out.substr(0, outcome.out.find('\n'));
+  EXPECT_NE(chapter.find(head), std::string::npos) << head;
+  EXPECT_EQ(lines_of(outcome.out).size(), 4U) << outcome.out;
+  const cv::Mat still = cv::imread(sample().still), one = cv::imread(folder / "made/1/002.png"),
+                both = cv::imread(folder / "made/2/002.png");
+  ASSERT_EQ(both.size(), still.size());
+  const cv::Rect first(4, 6, 40, 32), second(50, 40, 40, 32);
+  EXPECT_GT(cv::norm(both(first), still(first), cv::NORM_L1), 0);
+  EXPECT_GT(cv::norm(both(second), still(second), cv::NORM_L1), 0);
+  EXPECT_EQ(cv::norm(one(second), still(second), cv::NORM_L1), 0) << "the first lies in its place alone";
+  EXPECT_EQ(cv::norm(both(first), one(first), cv::NORM_L1), 0) << "the second leaves the first as it is";
 }
 
 TEST(BenchRuns, MovedCutsAreMadeAndCounted) {

@@ -171,8 +171,7 @@ struct ExemplarFiles::Impl {
   std::vector<playing::Moment> moments;  // by frame of the animation
   cv::Mat average;                       // of a loop's frames, premultiplied
   std::string hash;
-  std::deque<std::pair<int, cv::Mat>> remembered;
-  std::pair<int, cv::Mat> motion{-1, {}};  // of the moment that was last asked for
+  std::deque<std::pair<int, cv::Mat>> remembered, motions;
 
   /// One of its own frames, with the alpha and of the size that are asked for.
   cv::Mat own(int frame) const {
@@ -368,12 +367,12 @@ ExemplarFrame ExemplarFiles::at(int t) {
       exemplar.moments.empty() ? 0 : std::clamp(t, 0, static_cast<int>(exemplar.moments.size()) - 1);
   ExemplarFrame frame{exemplar.picture(key)};
   if (!exemplar.options.motion || exemplar.moments.size() < 2) return frame;
-  auto& [moved, back] = exemplar.motion;
-  if (moved != key)
-    back = key > 0 ? motion_between(frame.bgra, exemplar.picture(key - 1))
-                   : cv::Mat(-motion_between(frame.bgra, exemplar.picture(1)));
-  moved = key;
-  frame.back = back;
+  for (const auto& [known, back] : exemplar.motions)
+    if (known == key) return {frame.bgra, back};
+  frame.back = key > 0 ? motion_between(frame.bgra, exemplar.picture(key - 1))
+                       : cv::Mat(-motion_between(frame.bgra, exemplar.picture(1)));
+  if (exemplar.motions.size() == kRemembered) exemplar.motions.pop_front();
+  exemplar.motions.emplace_back(key, frame.back);
   return frame;
 }
 
