@@ -59,6 +59,8 @@ TEST(AsPrinted, RefusesWhatContradictsItByName) {
       {{"synth", "transfer", "--exemplar", "a.png", "--design", "d", "-o", "%05d.png", "--search",
         "patchmatch"},
        "--search patchmatch contradicts it: the paper prints exact"},
+      {{"synth", "transfer", "--exemplar", "a.mp4", "--design", "d", "-o", "%05d.png", "--stabilise"},
+       "--stabilise true contradicts it: the paper prints false"},
       {{"synth", "stills", "folder", "-o", "a.mp4", "--one-region", "--distance", "paths"},
        "--distance paths contradicts it: the paper prints l2"},
       {{"synth", "stills", "folder", "-o", "a.mp4"}, "a person marks the paper's regions"},

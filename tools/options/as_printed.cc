@@ -36,7 +36,8 @@ CLI::Option* AsPrinted::add_to(CLI::App& command, const std::string& paper,
   command_ = &command;
   options_ = std::move(options);
   std::vector<std::string> all;
-  for (const PrintedValue& option : options_) all.push_back(typed(option));
+  for (const PrintedValue& option : options_)
+    if (option.value != "false") all.push_back(typed(option));
   return command.add_flag("--as-printed", asked_,
                           fmt::format("The method as {} prints it, whole: {}", paper, fmt::join(all, ", ")));
 }

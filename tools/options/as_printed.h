@@ -11,7 +11,7 @@ namespace freshet::tools {
 /// An option and what the paper prints of it.
 struct PrintedValue {
   std::string name;   // "--blend"
-  std::string value;  // "paper"; of a flag "true"
+  std::string value;  // "paper"; of a flag "true" or "false"
   std::string where;  // "Sec. 6"
 };
 
