@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -172,6 +174,14 @@ auto shown_on(Progress& progress) {
   };
 }
 
+/// Throws for a new store what making it would.
+void expect_can_be_made(const std::string& store) {
+  store::expect_store_name(store);
+  if (access(std::filesystem::absolute(store).parent_path().c_str(), W_OK | X_OK) == 0) return;
+  throw Error(ErrorKind::kIo, store, fmt::format("cannot be created ({})", std::strerror(errno)),
+              "Make its folder, and check that it can be written");
+}
+
 void run_dry(const IngestCommand& command, const ingest::IngestOptions& options, RunContext& context) {
   store::expect_one_store(command.store);
   std::optional<store::Store> store;
@@ -181,6 +191,7 @@ void run_dry(const IngestCommand& command, const ingest::IngestOptions& options,
     settings = stored::settings_of(store->snapshot());
     command.settings.check_against(settings, command.store);
   } else {
+    expect_can_be_made(command.store);
     settings = command.settings.for_new_store();
   }
   Progress progress;

@@ -104,6 +104,17 @@ TEST_F(IngestTool, NoOptionIsPassedOver) {
   EXPECT_NE(ingest({"--overwrite"}).exit_code, 0);
 }
 
+TEST_F(IngestTool, ADryRunRefusesAStoreThatTheRunCouldNotMake) {
+  for (const char* store : {"none/s.store", "s.stores"}) {
+    const Outcome run = folder_.freshet({"ingest", store, "water"}),
+                  dry = folder_.freshet({"ingest", store, "water", "--dry-run"});
+    EXPECT_NE(run.exit_code, 0);
+    EXPECT_EQ(dry.exit_code, run.exit_code) << store;
+    EXPECT_EQ(dry.err, run.err) << store;
+    EXPECT_EQ(dry.out, "") << store;
+  }
+}
+
 TEST_F(IngestTool, OfNothingThatIsFitADryRunEndsAsTheRunDoes) {
   fs::remove(folder_ / ("water/" + kName));
   ingest::write_clip(folder_ / "water/brief.mkv", {.frames = 12});
