@@ -20,7 +20,7 @@ struct FormFramesOptions {
   bool loop = false;
   double handover_s = 0.2;  // after which nothing of the picture's own flames is left
   double settle_s = 0.6;    // after which the clip's flames, drawn to the picture's at first, burn as filmed
-  /// How far the ground follows the light that falls on it (LitGround), 0..1.
+  /// How far the ground follows the light that falls on it by day (LitGround), 0..1.
   double lighting = 0.5;
 };
 

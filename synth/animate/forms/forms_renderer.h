@@ -23,7 +23,7 @@ struct FormsOptions {
   std::vector<std::string> excluded{};
   bool placed_only = false;  // of the placement's clips alone
   double handover_s = 0.2;   // after which nothing of the picture's own flames is left
-  double lighting = 0.5;     // how far the ground follows the light that falls on it, 0..1
+  double lighting = 0.5;     // how far the ground follows the light that falls on it by day, 0..1 (LitGround)
 };
 
 /// Flames over the ground that they shine on, which stands. With kOwn, own_flames. With kClips

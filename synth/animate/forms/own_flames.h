@@ -14,7 +14,7 @@ namespace freshet::synth::animate {
 struct OwnFlamesOptions {
   CarriedOptions carried{};  // how the light is carried
   double handover_s = 0.2;   // after which a flame's colour is its level's alone
-  double lighting = 0.5;     // how far the ground follows the light that falls on it, 0..1
+  double lighting = 0.5;     // how far the ground follows the light that falls on it by day, 0..1 (LitGround)
 };
 
 /// The level of the picture's light is carried as a picture of its own would be; its colour follows the picture's curve
