@@ -14,4 +14,8 @@ bool has_alpha(const PixelLayout& layout);
 /// none. Straight alpha is taken to be straight: nothing is divided.
 cv::Mat to_bgra(const Frame& frame);
 
+/// Whether any pixel of a BGRA picture of 8 or 16 bits is not opaque. A sequence of mattes is read by its alpha where
+/// this holds of any of its pictures, by its grey else.
+bool is_transparent(const cv::Mat& bgra);
+
 }  // namespace freshet::media

@@ -180,4 +180,12 @@ cv::Mat to_bgra(const Frame& frame) {
   return bgra;
 }
 
+bool is_transparent(const cv::Mat& bgra) {
+  cv::Mat alpha;
+  cv::extractChannel(bgra, alpha, 3);
+  double least = 0;
+  cv::minMaxLoc(alpha, &least);
+  return least < (bgra.depth() == CV_16U ? 65535 : 255);
+}
+
 }  // namespace freshet::media

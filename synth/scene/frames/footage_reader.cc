@@ -11,7 +11,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "media/frame/bgra.h"
 #include "media/picture/picture.h"
+#include "synth/transfer/files/exemplar_motion.h"
 #include "synth/transfer/files/ground.h"
 #include "vision/flow.h"
 
@@ -69,39 +71,6 @@ void level_ground(cv::Mat& bgra, media::Ground ground, const cv::Vec3f& depth) {
   }
 }
 
-/// Whether what is seen is dark, and has an alpha: over white its outline shows.
-bool is_dark_paint(const cv::Mat& bgra) {
-  cv::Mat alpha, grey;
-  cv::extractChannel(bgra, alpha, 3);
-  const cv::Scalar seen = cv::mean(alpha);
-  if (seen[0] == 0 || seen[0] == white_of(bgra)) return false;
-  cv::cvtColor(bgra, grey, cv::COLOR_BGRA2GRAY);
-  cv::multiply(grey, alpha, grey, 1 / white_of(bgra));
-  constexpr double kDark = 0.25;
-  return cv::mean(grey)[0] < kDark * seen[0];
-}
-
-/// What is seen over black or white, CV_8U, at least kLeast px a side: as optical flow takes it.
-cv::Mat luma_of(const cv::Mat& bgra, bool over_white) {
-  constexpr int kLeast = 16;
-  const double white = white_of(bgra);
-  const float unit = static_cast<float>(255 / white), to_alpha = static_cast<float>(1 / white);
-  cv::Mat wide, luma(bgra.size(), CV_8U);
-  bgra.convertTo(wide, CV_32F);
-  for (int y = 0; y < luma.rows; ++y) {
-    const auto* from = wide.ptr<cv::Vec4f>(y);
-    auto* to = luma.ptr<std::uint8_t>(y);
-    for (int x = 0; x < luma.cols; ++x) {
-      const float grey = unit * (0.114f * from[x][0] + 0.587f * from[x][1] + 0.299f * from[x][2]);
-      const float alpha = to_alpha * from[x][3];
-      to[x] = cv::saturate_cast<std::uint8_t>(grey * alpha + (over_white ? 255 * (1 - alpha) : 0.0f));
-    }
-  }
-  cv::copyMakeBorder(luma, luma, 0, std::max(0, kLeast - luma.rows), 0, std::max(0, kLeast - luma.cols),
-                     cv::BORDER_REPLICATE);
-  return luma;
-}
-
 }  // namespace
 
 cv::Vec3f ground_depth(const cv::Mat& frame, media::Ground ground) {
@@ -131,13 +100,8 @@ cv::Vec3f ground_depth(const cv::Mat& frame, media::Ground ground) {
 bool has_transparency(const std::filesystem::path& film) {
   FilmSource source(film);
   if (!source.may_have_alpha()) return false;
-  cv::Mat alpha;
   do {
-    const cv::Mat frame = source.next();
-    cv::extractChannel(frame, alpha, 3);
-    double least = 0;
-    cv::minMaxLoc(alpha, &least);
-    if (least < white_of(frame)) return true;
+    if (media::is_transparent(source.next())) return true;
   } while (!source.at_end());
   return false;
 }
@@ -175,8 +139,8 @@ cv::Mat FootageReader::motion(bool comes_round) {
   if (read_.empty() || (at_end() && !comes_round)) return {};
   const cv::Mat after = at_end() ? FilmSource(film_.file()).following() : film_.following();
   if (after.size() != read_.size()) return {};  // next() says so
-  const bool over_white = is_dark_paint(read_);
-  cv::Mat flow = vision::optical_flow(luma_of(read_, over_white), luma_of(after, over_white));
+  const std::array<cv::Mat, 2> seen = transfer::seen_by_flow(read_, after);
+  cv::Mat flow = vision::optical_flow(seen[0], seen[1]);
   flow = flow(cv::Rect({0, 0}, read_.size()));
   const cv::Size size = sized_.empty() ? read_.size() : sized_.size();
   if (size == read_.size()) return flow;

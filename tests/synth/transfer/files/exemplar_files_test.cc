@@ -108,6 +108,29 @@ TEST_F(ExemplarFilesTest, MomentsThatAreStabilisedSayWhereTheyCameFrom) {
   EXPECT_NEAR(mean[1], 0, 0.1);
 }
 
+// Without the white behind it all of it would be black.
+TEST_F(ExemplarFilesTest, DarkSmokeOffWhiteIsSeenToMove) {
+  for (int i = 0; i < 4; ++i) {
+    cv::Mat puff(64, 96, CV_8UC1, cv::Scalar(255));
+    for (int k = 0; k < 5; ++k)
+      cv::circle(puff, {20 + 9 * k + 2 * i, 24 + 7 * (k % 3)}, 8, cv::Scalar(90), -1);
+    cv::GaussianBlur(puff, puff, {}, 3);
+    cv::imwrite(folder_ / "frames" / (std::to_string(i) + ".png"), puff);
+  }
+  ExemplarFiles exemplar(folder_ / "frames", {.ground = Ground::kWhite, .frames = 4, .motion = true});
+  exemplar.check();
+  EXPECT_NEAR(cv::mean(exemplar.at(2).back(cv::Rect(28, 20, 30, 20)))[0], -2, 0.3);
+}
+
+// Flow asks for 16.
+TEST_F(ExemplarFilesTest, ASmallExemplarHasItsMotionToo) {
+  for (int i = 0; i < 2; ++i)
+    cv::imwrite(folder_ / "frames" / (std::to_string(i) + ".png"), wave(i, 10)(cv::Rect(0, 0, 20, 12)));
+  ExemplarFiles exemplar(folder_ / "frames", {.frames = 2, .motion = true});
+  exemplar.check();
+  EXPECT_EQ(exemplar.at(1).back.size(), cv::Size(20, 12));
+}
+
 TEST_F(ExemplarFilesTest, AVideoIsWhatItsFramesAre) {
   write_waves(5, 10);
   media::VideoWriter writer(folder_ / "a.mkv", {32, 24});
