@@ -258,6 +258,8 @@ transfer::ExemplarFiles open_exemplar(const TransferCommand& command, int frames
                    : command.ground == "white" ? transfer::Ground::kWhite
                                                : transfer::Ground::kNone;
   options.patch = command.options.patch;
+  options.radius = command.options.radius;
+  options.lower = command.options.lower;
   options.frames = frames;
   options.motion = command.options.stabilised || command.options.divergence > 0;
   options.scale = command.exemplar_scale.value_or(1);

@@ -163,6 +163,7 @@ struct ExemplarFiles::Impl {
   ExemplarOptions options;
   Frames frames;
   std::optional<Frames> masks;
+  bool masks_are_alpha = false;  // else grey
   std::vector<std::string> notices;
 
   cv::Size size;
@@ -188,8 +189,8 @@ struct ExemplarFiles::Impl {
     return straight(scaled);
   }
 
-  /// Of what the animation will use.
-  int used() const { return std::min(frames.count, std::max(1, options.frames)); }
+  /// Of what the animation will use, and what the motion of one frame leads to.
+  int used() const { return std::min(frames.count, std::max(options.motion ? 2 : 1, options.frames)); }
 
   Extent extent(const TransferOptions& transfer) const {
     return mean_extent(used(), kLookedAt, transfer, [&](int frame) {
@@ -209,10 +210,10 @@ struct ExemplarFiles::Impl {
                          of_frame.width, of_frame.height),
              "Give a mask of the exemplar's size");
     cv::Mat mask;
-    cv::extractChannel(picture, mask, 3);
-    double minimum = 0, maximum = 0;
-    cv::minMaxLoc(mask, &minimum, &maximum);
-    if (minimum == kMax) cv::cvtColor(picture, mask, cv::COLOR_BGRA2GRAY);  // transparent nowhere
+    if (masks_are_alpha)
+      cv::extractChannel(picture, mask, 3);
+    else
+      cv::cvtColor(picture, mask, cv::COLOR_BGRA2GRAY);
     return mask;
   }
 
@@ -243,6 +244,8 @@ struct ExemplarFiles::Impl {
       refuse(options.alpha.string(),
              fmt::format("there are {} masks, and {} has {} frames", masks->count, frames.name, frames.count),
              "Give one for all frames, or one for each");
+    for (int i = 0; i < masks->count && !masks_are_alpha; ++i)
+      masks_are_alpha = media::is_transparent(masks->read(i));
   }
 
   void find_moments() {
@@ -338,6 +341,13 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
       refuse(name,
              "the exemplar's first frame is transparent everywhere: there is no fluid in it to begin with",
              "Cut off the frames before the fluid");
+    alpha.convertTo(alpha, CV_32F, 1.0 / kMax);
+    const TransferOptions shows{.radius = exemplar.options.radius, .lower = exemplar.options.lower};
+    if (max_alpha > 0 && extent_of(alpha, shows).all() == 0)
+      refuse(name,
+             fmt::format("its blurred alpha is nowhere above {}: there is no fluid in it",
+                         exemplar.options.lower),
+             "Lower --lower, cut such frames off, or give masks with --exemplar-alpha");
     cache::add_content(hash, bgra);
     if (exemplar.loop) {
       if (exemplar.average.empty()) exemplar.average = cv::Mat(bgra.size(), CV_32FC4, cv::Scalar::all(0));
@@ -366,11 +376,12 @@ ExemplarFrame ExemplarFiles::at(int t) {
   const int key =
       exemplar.moments.empty() ? 0 : std::clamp(t, 0, static_cast<int>(exemplar.moments.size()) - 1);
   ExemplarFrame frame{exemplar.picture(key)};
-  if (!exemplar.options.motion || exemplar.moments.size() < 2) return frame;
+  if (!exemplar.options.motion || exemplar.frames.count == 1) return frame;
   for (const auto& [known, back] : exemplar.motions)
     if (known == key) return {frame.bgra, back};
   frame.back = key > 0 ? motion_between(frame.bgra, exemplar.picture(key - 1))
-                       : cv::Mat(-motion_between(frame.bgra, exemplar.picture(1)));
+                       : cv::Mat(-motion_between(frame.bgra, exemplar.moments.size() > 1 ? exemplar.picture(1)
+                                                                                         : exemplar.own(1)));
   if (exemplar.motions.size() == kRemembered) exemplar.motions.pop_front();
   exemplar.motions.emplace_back(key, frame.back);
   return frame;

@@ -23,14 +23,16 @@ namespace freshet::synth::transfer {
 
 struct ExemplarOptions {
   /// Masks in place of the exemplar's alpha: a picture for all of its frames, or a folder, pattern or video
-  /// of as many; empty: none.
+  /// of as many; empty: none. Alpha or grey as DesignFiles has it.
   std::filesystem::path alpha = {};
   Ground ground = Ground::kNone;
   double scale = 1;                  // of its size, 0.05 to 4: patches are copied as large as they are
   double body_begins = kBodyBegins;  // of light on black, as take_off_ground says
   int patch = 5;                     // px per side, of the transfer: an exemplar has room for two each way
+  double radius = 3, lower = 0.1;    // of the transfer: what is nowhere above `lower` shows no fluid
   int frames = 1;                    // of the animation
-  bool motion = false;               // moments of a video have their ExemplarFrame::back
+  /// Moments of a video have their ExemplarFrame::back. The first has the motion to the next, reversed.
+  bool motion = false;
 };
 
 /// Frame by frame as the animation goes; where it is shorter, looped by the rules of a store's clips: from a
@@ -56,7 +58,7 @@ class ExemplarFiles {
   void fit_body(const Extent& design, const TransferOptions& options);
 
   /// Reads once all that the animation will use, and finds the loop. Throws Error{kInput}: unreadable, frames
-  /// of unequal size, smaller than two patches per side, transparent everywhere, masks of another size or
+  /// of unequal size, smaller than two patches per side, one without fluid, masks of another size or
   /// number, too short for the animation and for a loop (vision::kMinLoopFrames); Error{kCancelled}.
   void check(const std::function<void(std::size_t done, std::size_t of)>& progress = {},
              const std::stop_token& stop = {});

@@ -122,6 +122,16 @@ TEST_F(ExemplarFilesTest, DarkSmokeOffWhiteIsSeenToMove) {
   EXPECT_NEAR(cv::mean(exemplar.at(2).back(cv::Rect(28, 20, 30, 20)))[0], -2, 0.3);
 }
 
+TEST_F(ExemplarFilesTest, TheOneMomentOfAVideoMovesAsToItsNextFrame) {
+  write_waves(3, 10);
+  ExemplarFiles one(folder_ / "frames", {.frames = 1, .motion = true}),
+      two(folder_ / "frames", {.frames = 2, .motion = true});
+  one.check();
+  two.check();
+  ASSERT_FALSE(one.at(0).back.empty());
+  EXPECT_EQ(cv::norm(one.at(0).back, two.at(0).back, cv::NORM_INF), 0);
+}
+
 // Flow asks for 16.
 TEST_F(ExemplarFilesTest, ASmallExemplarHasItsMotionToo) {
   for (int i = 0; i < 2; ++i)
@@ -153,6 +163,38 @@ TEST_F(ExemplarFilesTest, MasksTakeThePlaceOfItsAlpha) {
   cv::Mat alpha;
   cv::extractChannel(eight_bits(exemplar.at(2)), alpha, 3);
   EXPECT_EQ(cv::norm(alpha, mask, cv::NORM_INF), 0);
+}
+
+// A frame that is opaque in a film that is not is all fluid, whatever its grey.
+TEST_F(ExemplarFilesTest, MasksAreAlphaOrGreyInAllFramesAlike) {
+  write_waves(2, 10);
+  fs::create_directories(folder_ / "masks");
+  cv::Mat mask(24, 32, CV_8UC4, cv::Scalar(60, 60, 60, 255));
+  cv::imwrite(folder_ / "masks" / "0.png", mask);
+  mask(cv::Rect(0, 0, 6, 24)).setTo(cv::Scalar::all(0));
+  cv::imwrite(folder_ / "masks" / "1.png", mask);
+  ExemplarFiles exemplar(folder_ / "frames", {.alpha = folder_ / "masks", .frames = 2});
+  exemplar.check();
+  cv::Mat alpha;
+  cv::extractChannel(eight_bits(exemplar.at(0)), alpha, 3);
+  EXPECT_EQ(cv::countNonZero(alpha != 255), 0);
+}
+
+TEST_F(ExemplarFilesTest, AFrameThatIsAllThinNamesItself) {
+  write_waves(2, 10);
+  const std::string thin = folder_ / "frames" / "1.png";
+  cv::Mat faint = wave(1, 10);
+  cv::insertChannel(cv::Mat(faint.size(), CV_8U, cv::Scalar(20)), faint, 3);
+  cv::imwrite(thin, faint);
+  ExemplarFiles exemplar(folder_ / "frames", {.frames = 2});
+  try {
+    exemplar.check();
+    FAIL() << "it was taken";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find(thin), std::string::npos) << error.what();
+  }
+  ExemplarFiles lower(folder_ / "frames", {.lower = 0.05, .frames = 2});
+  EXPECT_NO_THROW(lower.check());
 }
 
 TEST_F(ExemplarFilesTest, ItsStructureIsAsLargeAsIsAskedFor) {
