@@ -78,7 +78,8 @@ ExemplarLevel make_level(const std::vector<Turned>& turned, const TransferOption
   level.segments.of = GridOf<Segment>(width, height, Segment::kNone);
   PixelGrid previous(width, height);
   Grid blurred_alpha(width, height);
-  Guides guides{blurred_alpha, blurred_alpha};
+  Guides guides;
+  if (guided(options)) guides = {Grid(width, height), Grid(width, height)};
   for (int turn = 0; turn < turns; ++turn) {
     const Turned& one = turned[static_cast<std::size_t>(turn)];
     level.sizes.emplace_back(one.now.width, one.now.height);
@@ -120,8 +121,8 @@ PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previo
   prepared.size = frame.bgra.size();
   const PixelGrid now = premultiplied(frame.bgra);
   PixelGrid before = previous.bgra.data == frame.bgra.data ? now : premultiplied(previous.bgra);
-  VectorGrid back = frame.back.empty() ? VectorGrid(now.width, now.height) : vectors_of(frame.back);
   if (options.stabilised && !frame.back.empty()) {
+    const VectorGrid back = vectors_of(frame.back);
     before = fetched(before, back);
     for (int turn = 0; turn < options.quarter_turns; ++turn)
       prepared.back.push_back(quarter_turned_flow(back, turn));
@@ -131,8 +132,9 @@ PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previo
   const Grid blurred_alpha = blurred(alpha, options.radius);
   Guides guides;
   if (guided(options)) {
-    for (Vec2& by : back.values) by = {-by.x, -by.y};
-    guides = guides_of(alpha, back, options);
+    VectorGrid flow = frame.back.empty() ? VectorGrid(now.width, now.height) : vectors_of(frame.back);
+    for (Vec2& by : flow.values) by = {-by.x, -by.y};
+    guides = guides_of(alpha, flow, options);
   }
   std::vector<Turned> turned;
   for (int turn = 0; turn < options.quarter_turns; ++turn)
@@ -164,12 +166,13 @@ void follow(const PreparedExemplar& exemplar, GridOf<std::int32_t>& places) {
   const ExemplarLevel& finest = exemplar.levels.front();
   for (std::int32_t& place : places.values) {
     if (place < 0 || place >= static_cast<std::int32_t>(finest.now.values.size())) continue;
-    ExemplarLevel::Place at = finest.split(place);
+    const ExemplarLevel::Place at = finest.split(place);
     const VectorGrid& back = exemplar.back[static_cast<std::size_t>(at.turn)];
     const Vec2 by = back(std::min(at.x, back.width - 1), std::min(at.y, back.height - 1));
-    at.x = static_cast<int>(std::floor(static_cast<float>(at.x) - by.x + 0.5f));
-    at.y = static_cast<int>(std::floor(static_cast<float>(at.y) - by.y + 0.5f));
-    place = at.x < 0 || at.y < 0 || at.x >= back.width || at.y >= back.height ? -1 : finest.join(at);
+    const float x = static_cast<float>(at.x) - by.x + 0.5f, y = static_cast<float>(at.y) - by.y + 0.5f;
+    const bool inside =
+        x >= 0 && y >= 0 && x < static_cast<float>(back.width) && y < static_cast<float>(back.height);
+    place = inside ? finest.join({static_cast<int>(x), static_cast<int>(y), at.turn}) : -1;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "synth/transfer/features.h"
 
 #include <array>
+#include <cassert>
 #include <cmath>
 
 #include "platform/vectors.h"
@@ -210,6 +211,7 @@ PatchDistance::PatchDistance(const Features& source, const Features& target, con
       source_guides_(source.guides.empty() ? nullptr : source.guides.data()),
       target_guides_(target.guides.empty() ? nullptr : target.guides.data()),
       kernel_(kernel(patch, vector_bytes())) {
+  assert(source.guides.empty() == target.guides.empty());
   const std::ptrdiff_t half = patch / 2;
   source_ = source.values.data() - half * (source_row_ + kChannels);
   target_ = target.values.data() - half * (target_row_ + kChannels);

@@ -22,7 +22,8 @@ inline constexpr float kUnit = 1023.0f;
 struct Features {
   int width = 0, height = 0;
   std::vector<std::int16_t> values;  // row-major, and 64 more, which the widest read runs into
-  std::vector<Vec2> guides;          // by pixel: Guides, times the roots of their weights; empty: none
+  /// By pixel: Guides, times the roots of their weights; empty: none.
+  std::vector<Vec2> guides;
 
   Features() = default;
   Features(int w, int h);
@@ -44,7 +45,7 @@ Guides guides_of(const Grid& alpha, const VectorGrid& flow, const TransferOption
 /// Weights are of a pixel's channel, as eta is: the centre's guides count as those of all pixels of its patch.
 void put_guides(const Guides& guides, const TransferOptions& options, Features& to);
 
-/// D of Eq. 9, and of the guides where both have them.
+/// D of Eq. 9, and of the guides: both pictures have them, or neither.
 class PatchDistance {
  public:
   /// lambda  one per target pixel: a patch has that of its centre. All outlive this.

@@ -34,8 +34,9 @@ Grid halved(const Grid& grid);
 /// last bit from machine to machine, and a threshold follows.
 Grid blurred(const Grid& grid, double sigma);
 
-/// Of the outline, where blurred alpha rises: 1 where it bends around fluid with a radius of `scale` px, below 0 where
-/// around what is none, 0 where it is straight and where there is none. -1..1.
+/// How the outline bends, by pixel, -1..1. It is 1 where the outline is that of a round blob of fluid of radius `scale`
+/// px, and as much below 0 where it is that of a round hole. It is 0 where the outline is straight. It is 0 away from
+/// the outline too, where blurred alpha is level.
 ///
 /// blurred_alpha  by at least 2 px.
 Grid curvature(const Grid& blurred_alpha, double scale);

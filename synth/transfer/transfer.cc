@@ -70,8 +70,9 @@ void check_target(const TargetFrame& target, const State& state) {
     }
 }
 
-// What the frame before had comes first, however near something else is. Exchanges of two do not get there: a patch
-// that all moves on by one px is worse while half of it has.
+// Each place begins with the source patch that the frame before carried to it. The search may leave it again. The
+// search does not find this start by itself: it exchanges the sources of two places at a time, and a texture of which
+// only some patches have moved on by a px fits worse than one of which none or all have.
 void begin_at(std::span<const std::int32_t> hints, NearestField& field) {
   for (std::size_t i = 0; i < hints.size(); ++i)
     if (hints[i] >= 0) field.source[i] = hints[i];

@@ -34,8 +34,8 @@ struct TransferOptions {
   int patch = 5;        // px per side, odd, 3 to 9
   double lambda = 0.2;  // 0 to 1: weight of temporal coherence
   double eta = 3;       // 0 to 16: weight of the blurred alpha; less: richer boundaries
-  /// Sec. 6 names them: 0 to 16 each, weights as eta's of what a patch's centre is compared by: how the outline bends
-  /// there, and how the flow spreads, the exemplar's own by ExemplarFrame::back.
+  /// Weights, 0 to 16, on eta's scale (Sec. 6 names both guides). They compare the centres of two patches: how the
+  /// outline bends there, and how the flow spreads there. The exemplar's flow is that of ExemplarFrame::back.
   double curvature = 0, divergence = 0;
   bool stabilised = false;  // the exemplar, by ExemplarFrame::back
   double radius = 3;        // px, 0.5 to 50: standard deviation of the blur of alpha
@@ -66,9 +66,10 @@ struct ExemplarFrame {
   /// CV_8UC4, CV_16UC4 or CV_32FC4 (0..1), straight alpha; the colour of what is transparent counts for
   /// nothing. Never written to.
   cv::Mat bgra;
-  /// CV_32FC2, px, x right, y down: what lies at p lay at p + back in the frame before. The exemplar is stabilised by
-  /// it (Sec. 6): a patch is compared with where it came from, and goes on from there, so that the design alone moves
-  /// it. Empty: it lay at p (Sec. 4.3), and its own motion is added to the design's.
+  /// CV_32FC2, px, x right, y down: what lies at p lay at p + back in the frame before. Empty: it lay at p.
+  /// Read where options ask: `divergence` takes from it how the exemplar spreads. With `stabilised` (Sec. 6) a patch is
+  /// compared with where it came from, and goes on from there, so that the design alone moves it; without (Sec. 4.3)
+  /// the exemplar's own motion is added to the design's.
   cv::Mat back = {};
 };
 
@@ -110,8 +111,8 @@ struct TransferredFrame {
   /// CV_32SC3: the source patch of the patch centred here: x, y of its centre in the exemplar, and quarter
   /// turns of the exemplar, anticlockwise; -1 where there is no patch.
   cv::Mat nearest;
-  cv::Mat
-      distance;  // CV_32F: D of Eq. 9 of that pair, and its guides', colours 0..1; 0 where there is no patch
+  /// CV_32F: D of Eq. 9 of that pair, and its guides', colours 0..1; 0 where there is no patch.
+  cv::Mat distance;
   cv::Mat lambda;  // CV_32F: Eq. 6
   SegmentUse boundary, interior;
   std::int64_t violations =
