@@ -505,7 +505,7 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
   sub.add_flag("--stabilise", command.options.stabilised,
                "Take the exemplar's own motion out of it, so that the design alone moves its texture; for "
                "videos that "
-               "move faster than the design, or another way. Textures become a little softer [off]")
+               "move faster than the design, or another way. Textures become softer [off]")
       ->group(look);
   sub.add_option("--design", command.design,
                  "A folder that freshet synth simulate left: its alpha/ and flow/")
@@ -583,11 +583,12 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
   number("--eta", options.eta, "Weight of the distance to the outline; less: more varied boundaries", 0.0,
          16.0);
   number("--curvature", options.curvature,
-         "Weight of the outline's curvature: patches of tips go to tips, of hollows to hollows; 1 is much",
+         "Weight of the outline's curvature: patches of tips go to tips, of hollows to hollows; 1 is strong; "
+         "more speckles rims",
          0.0, 16.0);
   number("--divergence", options.divergence,
          "Weight of how the flow spreads: patches of a video's spreading fluid go where the design's "
-         "spreads; 1 is much",
+         "spreads; 1 is strong; more speckles rims",
          0.0, 16.0);
   number("--blur-radius", options.radius, "Blur of the masks that finds the boundary, px", 0.5, 50.0);
   number("--lower", options.lower, "Blurred alpha above which a pixel is boundary, 0 to 1", 0.0, 1.0);
