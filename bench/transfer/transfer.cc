@@ -6,7 +6,7 @@
 // EXEMPLAR is NAME[:GROUND][@DESIGN][*SPEED]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
 // a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
 // DESIGN: a preset of freshet synth simulate (plume, firepit, ...), or disc, which is lobed and turns.
-// SPEED: every so many frames of the exemplar; below 0 backwards. A frame is three quarters as high as wide, an
+// SPEED: every so many frames of a film; below 0 backwards. A frame is three quarters as high as wide, an
 // exemplar half as high as the frame: patches must repeat. First it checks what every frame promises: K and
 // K + 1 uses only, no patch of the other segment. Then, by exemplar and method (uniform; nearest, which is Kwatra
 // et al. 2005; stabilised, which is uniform of a video without its own motion; curved and diverging, which are
@@ -37,6 +37,7 @@
 
 #include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
+#include "freshet/error.h"
 #include "media/picture/picture.h"
 #include "report/sheet_words.h"
 #include "store/store.h"
@@ -152,6 +153,9 @@ Look read_look(const Asked& asked, const std::vector<TargetFrame>& design, int h
                const std::filesystem::path& store_path) {
   Look look{std::filesystem::path(asked.name).stem().string(), {}};
   if (is_simulated(asked.name)) {
+    if (asked.speed != "1")
+      throw Error(ErrorKind::kUsage, asked.name + "*" + asked.speed, "a simulated clip has no other speed",
+                  "Leave *" + asked.speed + " out, or give a video");
     const cv::Size size(height * 8, height * 6);
     synth::simulate::Simulation scene(
         {.kind = synth::simulate::parse_scene_kind(asked.name), .size = size, .frames = frames, .seed = 5});
@@ -471,7 +475,7 @@ void write_result(const Settings& settings, nlohmann::json json) {
 int main(int argc, char** argv) try {
   Settings settings;
   bench::Arguments app("Does appearance transfer keep the exemplar's look, hold together, and at what cost?");
-  app.option("EXEMPLAR", settings.exemplars, "NAME[:GROUND][@DESIGN]").required();
+  app.option("EXEMPLAR", settings.exemplars, "NAME[:GROUND][@DESIGN][*SPEED]").required();
   app.option("--frames", settings.frames, "Of each run; 0: only the curve");
   app.option("--width", settings.width, "Of a frame, px");
   app.option("--store", settings.store, "Store of the clips that are named");
@@ -529,6 +533,10 @@ int main(int argc, char** argv) try {
                               {"colours", series.colours},
                               {"change", series.change},
                               {"slip", series.slip},
+                              {"slip_x", series.slip_x},
+                              {"slip_y", series.slip_y},
+                              {"curvature", series.curvature},
+                              {"divergence", series.divergence},
                               {"not_uniform", series.not_uniform},
                               {"violations", series.violations},
                               {"cpu_s", series.cpu_s}});
