@@ -69,6 +69,7 @@ struct Look {
   std::string name;
   std::vector<cv::Mat> frames;     // CV_32FC4
   std::vector<cv::Mat> back = {};  // ExemplarFrame::back
+  bool is_light = false;           // filmed on black
 
   const cv::Mat& at(int t) const { return frames[index(t)]; }
   ExemplarFrame moment(int t) const { return {frames[index(t)], back[index(t)]}; }
@@ -107,11 +108,11 @@ cv::Mat bgra_of(const synth::simulate::SimulatedFrame& frame) {
 void find_motion(Look& look) {
   for (std::size_t t = 0; t < look.frames.size(); ++t)
     if (t > 0)
-      look.back.push_back(motion_between(look.frames[t], look.frames[t - 1]));
+      look.back.push_back(motion_between(look.frames[t], look.frames[t - 1], look.is_light));
     else if (look.frames.size() == 1)
       look.back.emplace_back(look.frames[t].size(), CV_32FC2, cv::Scalar::all(0));
     else
-      look.back.push_back(-motion_between(look.frames[0], look.frames[1]));
+      look.back.push_back(-motion_between(look.frames[0], look.frames[1], look.is_light));
 }
 
 bool is_simulated(const std::string& name) {
@@ -164,6 +165,7 @@ Look read_look(const Asked& asked, const std::vector<TargetFrame>& design, int h
     find_motion(look);
     return look;
   }
+  look.is_light = asked.ground == "black";
   const int speed = std::stoi(asked.speed);
   const ExemplarOptions options{.ground = asked.ground == "black"   ? Ground::kBlack
                                           : asked.ground == "white" ? Ground::kWhite
@@ -288,8 +290,8 @@ struct Slip {
   cv::Vec2d mean;
   double length = 0;
 };
-Slip slip(const cv::Mat& now, const cv::Mat& before, const cv::Mat& design_flow) {
-  const cv::Mat off = motion_between(before, now) - design_flow;
+Slip slip(const cv::Mat& now, const cv::Mat& before, const cv::Mat& design_flow, bool is_light) {
+  const cv::Mat off = motion_between(before, now, is_light) - design_flow;
   Slip sum;
   double pixels = 1e-9;
   for (int y = 0; y < now.rows; ++y)
@@ -410,7 +412,7 @@ Series run(const Look& look, const std::vector<TargetFrame>& design, const Metho
     series.divergence.push_back(agreed.divergence);
     if (t > 0) {
       series.change.push_back(change(made.bgra, before, design[t - 1]));
-      const Slip slipped = slip(made.bgra, before, design[t - 1].flow);
+      const Slip slipped = slip(made.bgra, before, design[t - 1].flow, look.is_light);
       series.slip.push_back(slipped.length);
       series.slip_x.push_back(slipped.mean[0]);
       series.slip_y.push_back(slipped.mean[1]);

@@ -379,9 +379,12 @@ ExemplarFrame ExemplarFiles::at(int t) {
   if (!exemplar.options.motion || exemplar.frames.count == 1) return frame;
   for (const auto& [known, back] : exemplar.motions)
     if (known == key) return {frame.bgra, back};
-  frame.back = key > 0 ? motion_between(frame.bgra, exemplar.picture(key - 1))
-                       : cv::Mat(-motion_between(frame.bgra, exemplar.moments.size() > 1 ? exemplar.picture(1)
-                                                                                         : exemplar.own(1)));
+  const bool is_light = exemplar.options.ground == Ground::kBlack;
+  frame.back =
+      key > 0
+          ? motion_between(frame.bgra, exemplar.picture(key - 1), is_light)
+          : cv::Mat(-motion_between(
+                frame.bgra, exemplar.moments.size() > 1 ? exemplar.picture(1) : exemplar.own(1), is_light));
   if (exemplar.motions.size() == kRemembered) exemplar.motions.pop_front();
   exemplar.motions.emplace_back(key, frame.back);
   return frame;

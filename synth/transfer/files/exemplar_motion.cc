@@ -49,13 +49,13 @@ cv::Mat luma_over(const cv::Mat& bgra, bool over_white) {
 
 }  // namespace
 
-std::array<cv::Mat, 2> seen_by_flow(const cv::Mat& from, const cv::Mat& to) {
-  const bool over_white = is_dark_paint(from);
+std::array<cv::Mat, 2> seen_by_flow(const cv::Mat& from, const cv::Mat& to, bool is_light) {
+  const bool over_white = !is_light && is_dark_paint(from);
   return {luma_over(from, over_white), luma_over(to, over_white)};
 }
 
-cv::Mat motion_between(const cv::Mat& from, const cv::Mat& to) {
-  const std::array<cv::Mat, 2> seen = seen_by_flow(from, to);
+cv::Mat motion_between(const cv::Mat& from, const cv::Mat& to, bool is_light) {
+  const std::array<cv::Mat, 2> seen = seen_by_flow(from, to, is_light);
   return vision::optical_flow(seen[0], seen[1],
                               {.method = vision::FlowMethod::kTvL1})(cv::Rect({0, 0}, from.size()))
       .clone();

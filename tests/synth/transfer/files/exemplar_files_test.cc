@@ -14,6 +14,7 @@
 
 #include "freshet/error.h"
 #include "media/video/video_writer.h"
+#include "synth/transfer/files/exemplar_motion.h"
 #include "tests/harness/scratch_folder.h"
 
 namespace freshet::synth::transfer {
@@ -120,6 +121,16 @@ TEST_F(ExemplarFilesTest, DarkSmokeOffWhiteIsSeenToMove) {
   ExemplarFiles exemplar(folder_ / "frames", {.ground = Ground::kWhite, .frames = 4, .motion = true});
   exemplar.check();
   EXPECT_NEAR(cv::mean(exemplar.at(2).back(cv::Rect(28, 20, 30, 20)))[0], -2, 0.3);
+}
+
+TEST(ExemplarMotion, DimLightIsSeenOverBlackAndDarkPaintOverWhite) {
+  cv::Mat puff(20, 20, CV_32FC4, cv::Scalar::all(0));
+  puff(cv::Rect(5, 5, 10, 10)).setTo(cv::Scalar(0.1, 0.1, 0.1, 1));
+  const cv::Mat paint = seen_by_flow(puff, puff)[0], light = seen_by_flow(puff, puff, true)[1];
+  EXPECT_EQ(paint.at<std::uint8_t>(0, 0), 255);
+  EXPECT_EQ(light.at<std::uint8_t>(0, 0), 0);
+  EXPECT_NEAR(paint.at<std::uint8_t>(10, 10), 25.5, 1);
+  EXPECT_EQ(paint.at<std::uint8_t>(10, 10), light.at<std::uint8_t>(10, 10));
 }
 
 TEST_F(ExemplarFilesTest, TheOneMomentOfAVideoMovesAsToItsNextFrame) {
