@@ -22,12 +22,14 @@ struct Read {
 };
 
 /// Reads on until the end, or `most` frames.
-Read read_through(const std::filesystem::path& file, const FootageForm& form, int most) {
+Read read_through(const std::filesystem::path& file, const FootageForm& form, int most,
+                  const std::stop_token& stop) {
   FootageReader reader(file, {.mattes = form.mattes, .mattes_are_alpha = form.mattes_are_alpha});
   Read read;
   cv::Mat before;
   double steps = 0;
   while (read.frames < most && (read.frames == 0 || !reader.at_end())) {
+    if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, file.string(), "stopped");
     const cv::Mat& frame = reader.next();
     if (read.frames++ == 0) read.first = frame.clone();
     if (!before.empty()) steps += cv::norm(frame, before, cv::NORM_L1);
@@ -76,13 +78,15 @@ FootageCourse footage_course(int scene_frames, bool loop, int footage_frames, bo
   return course;
 }
 
-FootageFrames::FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop)
+FootageFrames::FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop,
+                             const std::stop_token& stop)
     : footage_(footage), round_(loop ? scene_frames : 0), since_(-start_frame(footage, fps)) {
   const int left = loop ? scene_frames : std::max(1, scene_frames + since_);
+  const int most = left + (loop ? kFadeMost : 0);
   form_ = {.width = footage_.width, .ground = footage_.ground};
   if (is_film(footage_.matte))
-    form_.mattes = footage_.matte, form_.mattes_are_alpha = has_transparency(footage_.matte);
-  const Read read = read_through(footage_.file, form_, left + (loop ? kFadeMost : 0));
+    form_.mattes = footage_.matte, form_.mattes_are_alpha = has_transparency(footage_.matte, most, stop);
+  const Read read = read_through(footage_.file, form_, most, stop);
   if (footage_.ground != media::Ground::kNone)
     form_.ground_depth = ground_depth(FootageReader(footage_.file).next(), footage_.ground);
   if (!footage_.matte.empty() && form_.mattes.empty()) form_.matte = matte_over(footage_, read.first.size());

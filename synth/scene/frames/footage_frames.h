@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -33,8 +34,9 @@ class FootageFrames : public LayerFrames {
   /// Reads the file once, as far as the scene lasts, to know its length; and in a loop, in which it starts later, on to
   /// the frame that the scene begins with. scene_frames, fps, loop   of the scene. Throws as FootageReader, and
   /// Error{kInput} for a matte of another shape than the film, or that is none (media::read_matte), and for mattes
-  /// that are fewer or more than the film's frames.
-  FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop);
+  /// that are fewer or more than the film's frames; Error{kCancelled}.
+  FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop,
+                const std::stop_token& stop = {});
   const cv::Mat& next() override;
   /// By optical flow (FootageReader::motion), of any FrameWork. 0 for a film of one frame.
   std::optional<cv::Mat> motion() override;

@@ -97,12 +97,13 @@ cv::Vec3f ground_depth(const cv::Mat& frame, media::Ground ground) {
   return depth;
 }
 
-bool has_transparency(const std::filesystem::path& film) {
+bool has_transparency(const std::filesystem::path& film, int most, const std::stop_token& stop) {
   FilmSource source(film);
   if (!source.may_have_alpha()) return false;
-  do {
+  for (int i = 0; i < most && (i == 0 || !source.at_end()); ++i) {
+    if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, film.string(), "stopped");
     if (media::is_transparent(source.next())) return true;
-  } while (!source.at_end());
+  }
   return false;
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <stop_token>
 
 #include <opencv2/core.hpp>
 
@@ -21,9 +22,9 @@ struct FootageForm {
   bool mattes_are_alpha = false;   // and not grey (has_transparency)
 };
 
-/// Whether any frame of a film is not opaque: one of mattes is then read by its alpha, in every frame.
-/// Throws   as FilmSource. Cost   decodes all up to that frame; of a video without alpha the first alone.
-bool has_transparency(const std::filesystem::path& film);
+/// Whether any of a film's first `most` frames is not opaque: one of mattes is then read by its alpha, in every frame.
+/// Throws   as FilmSource; Error{kCancelled}. Cost   decodes all up to that frame; of a video without alpha the first.
+bool has_transparency(const std::filesystem::path& film, int most, const std::stop_token& stop = {});
 
 /// Throws Error{kInput} naming both where a matte has another shape than its film (media::has_shape_of).
 void expect_shape(const std::filesystem::path& matte, cv::Size size, const std::filesystem::path& film,

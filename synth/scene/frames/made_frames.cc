@@ -126,7 +126,8 @@ std::unique_ptr<LayerFrames> frames_of_layer(const Scene& scene, const SceneLaye
                                           work);
   if (const auto* motion = layer.as<TransferMotion>())
     return std::make_unique<TransferFrames>(scene, layer, *motion, stop, work);
-  return std::make_unique<FootageFrames>(*layer.as<FootageMotion>(), scene.frames, scene.fps, scene.loop);
+  return std::make_unique<FootageFrames>(*layer.as<FootageMotion>(), scene.frames, scene.fps, scene.loop,
+                                         stop);
 }
 
 }  // namespace freshet::synth::scene

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numeric>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -424,7 +426,14 @@ TEST(FootageFrames, MattesThatDoNotFitTheirFilmAreRefused) {
   EXPECT_THAT(Matted(5).fault(), testing::HasSubstr("goes on after the 4 frames"));
   const Matted few(3);
   EXPECT_EQ(Matted::shown(few.footage(), 2, false, 2).size(), 2u) << "what is not shown is not asked for";
+  std::ofstream(few.footage().matte / "002.png") << "no picture";
+  EXPECT_EQ(Matted::shown(few.footage(), 2, false, 2).size(), 2u) << "nor read";
   const Matted film;
+  std::stop_source stop;
+  stop.request_stop();
+  fault_of(ErrorKind::kCancelled, [&] { has_transparency(film.footage().matte, 9, stop.get_token()); });
+  fault_of(ErrorKind::kCancelled,
+           [&] { FootageFrames({.file = film.footage().file}, 2, 25, false, stop.get_token()); });
   FootageMotion motion = film.footage();
   motion.matte = motion.matte.parent_path() / "none.####.png";
   EXPECT_NE(fault_of(ErrorKind::kInput, [&] { FootageFrames(motion, 2, 25, false); }).find("none"),
