@@ -373,6 +373,7 @@ TEST(SceneTool, WhatIsWrongIsNamedAndNothingIsLeft) {
     const Outcome drawn = folder.render({"--draw", "drawn.png", "--overwrite"});
     EXPECT_NE(drawn.exit_code, 0) << "what a run refuses is refused before one";
     EXPECT_NE(drawn.err.find(expected), std::string::npos) << drawn.err;
+    EXPECT_FALSE(fs::exists(folder / "drawn.png"));
   };
   folder.scene("armature = [140, 80, 140, 20]");
   refused("lies outside of it");

@@ -139,7 +139,7 @@ void run_scene(SceneCommand& command, const RunContext& context) {
     return;
   }
   if (command.file.empty()) throw CLI::RequiredError("SCENE");
-  plan_stages({{"cut", "cutting layers"}, {"render", "rendering"}});
+  plan_stages({{"cut", "cutting layers"}, {"stage", "staging layers"}, {"render", "rendering"}});
   scene::Scene asked =
       command.as_printed ? scene::read_printed_scene(command.file) : scene::read_scene(command.file);
   TargetFiles::Loaded loaded{.picture = {}, .matte = {}, .still = media::read_still(asked.picture)};
@@ -168,13 +168,17 @@ void run_scene(SceneCommand& command, const RunContext& context) {
       },
       &notices, context.stop);
   const double cut_s = watch.lap();
-  if (!command.drawing.empty())
-    media::write_picture(command.drawing, scene::draw_scene(loaded.picture, asked, pixels));
+  const auto draw = [&] {
+    if (!command.drawing.empty())
+      media::write_picture(command.drawing, scene::draw_scene(loaded.picture, asked, pixels));
+  };
   const scene::PatchesMaker patches = [&](const scene::PatchesTarget& target,
                                           const scene::PushedFrames::Sinks& sinks) {
     make_patches(target, sinks, context);
   };
   const auto frames_of = [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
+    progress.show("stage", static_cast<std::size_t>(&layer - asked.layers.data()), asked.layers.size(),
+                  "layers");
     return scene::frames_of_layer(asked, layer, own, patches, context.stop, layer_files.work());
   };
   if (output == nullptr) {
@@ -185,12 +189,14 @@ void run_scene(SceneCommand& command, const RunContext& context) {
           return layer.as<scene::PatchesMotion>() != nullptr ? nullptr : frames_of(layer, own);
         },
         &notices);
+    draw();
     progress.finish();
     say_all(notices);
     fmt::print("{}\n", command.drawing);
     return;
   }
   scene::SceneAnimation animation(asked, pixels, loaded.picture.size(), frames_of, &notices);
+  draw();
   say_all(notices);
   const double stage_s = watch.lap();
 
@@ -230,7 +236,7 @@ void add_scene(CLI::App& synth_command, RunContext& context) {
   sub->add_option(
       "--draw", command->drawing,
       "Write the picture with what was understood: layers, armatures, the water's plane, hull lines (PNG, "
-      "JPEG); alone, nothing is rendered, and refused is what a run would refuse, but of patches");
+      "JPEG); alone, nothing is rendered; it checks everything that a run checks, except patches");
   sub->add_option(
          "--layers-out", command->layers_out,
          "Also write each layer alone, with alpha: 'layers/{layer}.####.exr' (half floats, linear light, "
