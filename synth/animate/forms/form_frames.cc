@@ -266,8 +266,8 @@ cv::Mat FormFrames::burning(int index) const {
   return all;
 }
 
-cv::Mat FormFrames::motion(int index) const {
-  constexpr double kSmooth = 1.5;  // sigma, px
+cv::Mat FormFrames::step(int index) const {
+  constexpr double kSmooth = 1.5;  // sigma, px at any size, little above that of bytes_of
   constexpr double kDark = 0.1;    // level, from which on flames move whole
   const cv::Mat now = burning(index), from = bytes_of(now, now.size()),
                 to = bytes_of(burning(index + 1), now.size());

@@ -40,7 +40,7 @@ class FormFrames {
   /// Where all that burns in a loaded frame goes until the next, which is loaded too: CV_32FC2, px, the picture's size;
   /// 0 where it is dark. The last frame leads to the one that would follow. Safe from many threads. Cost   two frames'
   /// levels, and vision::optical_flow at the picture's size.
-  cv::Mat motion(int index) const;
+  cv::Mat step(int index) const;
   /// CV_32FC3, sRGB code, of a loaded frame: the picture where alpha is 0. Safe from many threads.
   cv::Mat frame(int index) const;
 

@@ -80,7 +80,7 @@ class FormsRenderer final : public Renderer {
 
   int batch() const override { return std::min(kBatch, animation_.options.frames); }
   cv::Mat motion(int) const override { return cv::Mat::zeros(still_.target.size(), CV_32FC2); }
-  cv::Mat step(int output) const override { return frames_.motion(output); }
+  cv::Mat step(int output) const override { return frames_.step(output); }
   void read(std::span<const int> outputs) override {
     const int beyond = animation_.options.motion_sink ? 1 : 0;  // leads to the frame after them
     frames_.load(outputs.front(), static_cast<int>(outputs.size()) + beyond);

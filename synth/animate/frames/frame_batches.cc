@@ -25,6 +25,17 @@ std::vector<int> order_of(const FrameOptions& options, int first) {
   return order;
 }
 
+/// 0 beside the matte.
+std::vector<cv::Mat> steps_of(const Renderer& renderer, std::span<const int> outputs,
+                              std::span<const cv::Mat> mattes) {
+  std::vector<cv::Mat> steps(outputs.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, steps.size(), [&](std::size_t i) {
+    steps[i] = renderer.step(outputs[i]);
+    steps[i].setTo(cv::Scalar::all(0), mattes[i] <= 0);
+  });
+  return steps;
+}
+
 }  // namespace
 
 void make_frames(Animation& animation, const StillPart& still, Renderer& renderer,
@@ -57,11 +68,9 @@ void make_frames(Animation& animation, const StillPart& still, Renderer& rendere
         for (std::size_t i = passed; i < mattes.size(); ++i) options.matte_sink(mattes[i]);
       renderer.prepare(outputs, mattes, passed);
       if (options.motion_sink)
-        for (std::size_t i = passed; i < outputs.size(); ++i) {
-          cv::Mat step = renderer.step(outputs[i]);
-          step.setTo(cv::Scalar::all(0), mattes[i] <= 0);
+        for (const cv::Mat& step :
+             steps_of(renderer, outputs.subspan(passed), std::span(mattes).subspan(passed)))
           options.motion_sink(step);
-        }
       oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
         finished[i] = renderer.finish(outputs[passed + i], mattes[passed + i]);
       });

@@ -12,8 +12,7 @@
 namespace freshet::synth::animate {
 
 /// In order, some at once while those before go into `sink`; mattes and motion into their own sinks, from this
-/// thread. Of frames
-/// that are not wanted (FrameOptions::from) only what goes on from frame to frame is made.
+/// thread. Of frames that are not wanted (FrameOptions::from) only what goes on from frame to frame is made.
 /// Throws   what the sinks throw; Error{kCancelled}.
 void make_frames(Animation& animation, const StillPart& still, Renderer& renderer,
                  const std::function<void(const cv::Mat&)>& sink);

@@ -12,9 +12,9 @@ namespace freshet::synth::animate {
 /// make_renderer(Animation&, const StillPart&, const its options&), which does all that is done once; its options are
 /// one more alternative of AnimateOptions::method.
 ///
-/// Calls come from one thread, but for finish(). For each batch of frames: read(), then for its frames in groups of
-/// some eight prepare(), then finish() for each of the group that is wanted. `outputs` are output frames, ascending but
-/// for a loop that begins with another frame than 0; all come once.
+/// Calls come from one thread, but for step() and finish(). For each batch of frames: read(), then for its frames in
+/// groups of some eight prepare(), then step() and finish() for each of the group that is wanted. `outputs` are output
+/// frames, ascending but for a loop that begins with another frame than 0; all come once.
 class Renderer {
  public:
   virtual ~Renderer() = default;
@@ -26,7 +26,7 @@ class Renderer {
   /// Velocity in an output frame: CV_32FC2, px/s, the picture's size. Asked for where the outline moves.
   virtual cv::Mat motion(int output) const = 0;
   /// Where what an output frame shows goes until the next: CV_32FC2, px, the picture's size; whatever lies beside the
-  /// matte. Asked for after prepare(), where motion is written (FrameOptions::motion_sink).
+  /// matte. Asked for after prepare(), where motion is written (FrameOptions::motion_sink). From many threads.
   virtual cv::Mat step(int output) const = 0;
 
   /// Reads what these frames need of the clips.
