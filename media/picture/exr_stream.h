@@ -32,7 +32,7 @@ char* exr_origin(const cv::Mat& plane, const Imf::InputFile& file);
 std::vector<std::uint8_t> encode_exr(const Imf::Header& header, const Imf::FrameBuffer& buffer,
                                      const std::string& where);
 
-/// A field of motion with its y turned round: files hold it y up, we y down.
+/// A field of motion with its y turned round: EXR files hold it y up, we y down.
 /// motion   CV_32FC2; so is what is returned.
 cv::Mat with_y_turned(const cv::Mat& motion);
 

@@ -71,8 +71,8 @@ struct Document {
   bool operator==(const Document&) const = default;
 };
 
-/// Settings of the method that makes the frames, by their names in `synth animate`, but '_' for '-'; not said there
-/// where they are a document's default: visit(name, field, its range or its words).
+/// Settings of the method that makes the frames, by their names in `synth animate`, but '_' for '-'; the command is not
+/// given those that are a document's default: visit(name, field, its range or its words).
 template <class Visit>
 void each_method_setting(const Visit& visit) {
   visit("layout", &Document::layout, std::vector<std::string>{"", "goes", "stands"});

@@ -329,7 +329,7 @@ bool shimmers(const Scene&, const SceneLayer& layer) { return layer.as<TreeMotio
 struct BelongingKey {
   std::string_view table;  // "wind", "layer", or a kind of motion
   const char *key, *to;
-  bool (*is_there)(const Scene&, const SceneLayer&);  // of "wind" any layer
+  bool (*is_there)(const Scene&, const SceneLayer&);  // the layer: for "wind" any one
 };
 constexpr BelongingKey kBelonging[] = {{"wind", "width", "gustiness", has_gusts},
                                        {"layer", "shadow_darkness", "shadow", has_shadow},

@@ -64,9 +64,8 @@ class HullStations {
 /// broadly it sees it in the still: that of the boat or of its reflection, whichever is less. 0 or less: its edge, or
 /// its back.
 double breadth_seen(const Waterplane& plane, const Attitude& attitude);
-/// The same attitude, its turns lessened alike until breadth_seen is kLeastBreadth: a plane seen along its edge has no
-/// way back.
-inline constexpr double kLeastBreadth = 0.25;
+inline constexpr double kLeastBreadth = 0.25;  // a plane seen along its edge has no way back
+/// The same attitude, its turns lessened alike until breadth_seen is kLeastBreadth.
 Attitude held_broad(const Waterplane& plane, const Attitude& attitude);
 
 /// The way back of a plane that stands on the water along the hull and moves with it: homogeneous px of the picture, at
