@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "media/frame/file_format.h"
+#include "studio/drawing/drawn.h"
 #include "synth/scene/scene_file.h"
 #include "synth/stills/edits.h"
 
@@ -55,7 +56,9 @@ std::string Studio::home_json() const {
                     {"formats", offered_formats()},
                     {"films", films},
                     {"ranges", ranges},
-                    {"pin_reach", synth::stills::kPinReach}});
+                    {"pin_reach", synth::stills::kPinReach},
+                    {"furthest", kFurthest},
+                    {"widest", kWidest}});
 }
 
 }  // namespace freshet::studio

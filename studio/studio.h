@@ -32,8 +32,9 @@ class Studio {
   Stores& stores() { return stores_; }
   Projects& projects() { return projects_; }
   Ways& ways() { return ways_; }
-  /// JSON: "projects", "stores", "folder", the "formats" of an export, the "ranges" of a scene's numbers, and the
-  /// "pin_reach" that a pin has at first, of the stills' longer side.
+  /// JSON: "projects", "stores", "folder", the "formats" of an export, the "ranges" of a scene's numbers, the
+  /// "pin_reach" that a pin has at first, of the stills' longer side, and what a document holds, px: the
+  /// "furthest" that a point may lie, and the "widest" brush.
   std::string home_json() const;
 
  private:

@@ -46,7 +46,7 @@ std::vector<DrawnTempo> read_tempo(const Fields& fields) {
     const Fields line = fields.below(item, "tempo", tempo.size());
     line.only({"points", "width", "factor"});
     tempo.push_back({.points = line.points(),
-                     .width = static_cast<float>(line.number("width", 0, 10000)),
+                     .width = static_cast<float>(line.number("width", 0, kWidest)),
                      .factor = static_cast<float>(line.number("factor", 0.5, 2))});
   }
   return tempo;

@@ -8,6 +8,9 @@
 
 namespace freshet::studio {
 
+inline constexpr double kFurthest = 1e6;  // px that a point lies from (0, 0), along an axis, at most
+inline constexpr double kWidest = 10000;  // px of a brush
+
 /// A line or an area that was drawn, px of the picture; (0, 0) is the outer corner of its first pixel.
 struct Drawn {
   std::vector<cv::Point2f> points;

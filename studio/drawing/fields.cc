@@ -15,7 +15,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxPoints = 1u << 20, kMaxText = 4096;
-constexpr double kFurthest = 1e6;  // px
 constexpr double kMaxSpeed = 1e5;  // px/s
 
 }  // namespace
@@ -110,7 +109,7 @@ std::vector<Drawn> Fields::drawn(const char* name) const {
     const Fields line = below(item, name, lines.size());
     line.only({"points", "width", "adds", "area"});
     lines.push_back({.points = line.points(),
-                     .width = static_cast<float>(line.number("width", 0, 10000)),
+                     .width = static_cast<float>(line.number("width", 0, kWidest)),
                      .adds = line.flag("adds"),
                      .is_area = line.flag("area")});
   }

@@ -105,18 +105,15 @@ function placeOf(lines: Stroke[]): { left: number; top: number; width: number } 
   return { left, top, width: Math.max(1, Math.round(Math.abs(to[0] - from[0]))) };
 }
 
-const kFurthest = 1e6; // px of a point, and
-const kWidest = 10000; // of a brush: what a document holds (studio/drawing/fields.cc)
-
 /** Lays the chosen film from one corner to the other, or over all of the picture. Paint over it goes along. */
 export function placeFilm(corners: Point[]): void {
-  const layer = chosenLayer();
-  if (!layer) return;
+  const [layer, home] = [chosenLayer(), state.home.value];
+  if (!layer || !home) return;
   const lines = corners.length > 1 ? [{ points: corners, speed: null }] : [];
   const [from, to] = [placeOf(layer.lines), placeOf(lines)];
   const scale = to.width / from.width;
-  const held = (value: number): number => Math.max(-kFurthest, Math.min(kFurthest, value));
-  const carried = ({ points, width, ...rest }: Drawn): Drawn => ({ ...rest, width: Math.min(kWidest, width * scale), points: points.map(([x, y]): Point => [held(to.left + (x - from.left) * scale), held(to.top + (y - from.top) * scale)]) });
+  const held = (value: number): number => Math.max(-home.furthest, Math.min(home.furthest, value));
+  const carried = ({ points, width, ...rest }: Drawn): Drawn => ({ ...rest, width: Math.min(home.widest, width * scale), points: points.map(([x, y]): Point => [held(to.left + (x - from.left) * scale), held(to.top + (y - from.top) * scale)]) });
   changeLayer({ lines, paint: layer.paint.map(carried) });
 }
 

@@ -261,6 +261,8 @@ export interface Home {
   films: string[]; // endings of films that are read
   ranges: Record<string, [number, number]>; // of a scene's numbers, by table and key: what sliders show
   pin_reach: number; // that a pin between stills has at first, of the longer side
+  furthest: number; // px of a point, and
+  widest: number; // of a brush: what a document holds
 }
 
 export interface MatteNews {

@@ -12,6 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "studio/drawing/drawn.h"
 #include "tests/studio/http/raw_client.h"
 #include "tests/studio/running_studio.h"
 #include "tests/tools/sample.h"
@@ -77,7 +78,9 @@ TEST_F(Server, ServesItsPageToWhoKnowsTheToken) {
 }
 
 TEST_F(Server, TellsThePageWhichFilmsAreRead) {
-  const Json films = running().json("api/home")["films"];
+  const Json home = running().json("api/home"), films = home["films"];
+  EXPECT_EQ(home["furthest"], kFurthest);
+  EXPECT_EQ(home["widest"], kWidest);
   for (const char* ending : {".mp4", ".mkv", ".ogv", ".mxf"})
     EXPECT_NE(std::ranges::find(films, ending), films.end()) << ending;
   for (const char* ending : {".png", ".webp", ".exr"})
