@@ -76,7 +76,7 @@ synth/scene/frames: media/frame media/picture media/video hints vision synth/sam
 synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers synth/scene/frames
 starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate
 work: cache
-studio/drawing: media/picture synth/matte synth/scene
+studio/drawing: media/frame media/picture synth/matte synth/scene
 studio/jobs:
 studio/ways: cache media/picture synth/simulate/design synth/scene synth/scene/rendering synth/scene/frames studio/drawing
 studio: cache store media/frame media/picture media/video hints vision vision/look stored query/index query/search query/labelling synth/animate/motion synth/takes synth/animate synth/matte synth/scene synth/stills work studio/drawing studio/jobs studio/ways

@@ -38,6 +38,7 @@
 #include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "freshet/error.h"
+#include "media/frame/filmed_ground.h"
 #include "media/picture/picture.h"
 #include "report/sheet_words.h"
 #include "store/store.h"
@@ -167,9 +168,7 @@ Look read_look(const Asked& asked, const std::vector<TargetFrame>& design, int h
   }
   look.is_light = asked.ground == "black";
   const int speed = std::stoi(asked.speed);
-  const ExemplarOptions options{.ground = asked.ground == "black"   ? Ground::kBlack
-                                          : asked.ground == "white" ? Ground::kWhite
-                                                                    : Ground::kNone,
+  const ExemplarOptions options{.ground = media::parse_ground(asked.ground),
                                 .frames = frames * std::max(1, std::abs(speed))};
   ExemplarFiles files =
       std::filesystem::exists(asked.name)

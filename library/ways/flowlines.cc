@@ -47,7 +47,7 @@ flowlines::FlowlinesOptions options_of(const FlowLinesOptions& options, double f
   chosen.seed = options.seed;
   chosen.join_px = options.join_px;
   chosen.view.correspondence = flowlines::parse_correspondence(options.correspondence);
-  chosen.view.ground = flowlines::parse_ground(options.ground);
+  chosen.view.ground = media::parse_ground(options.ground);
   chosen.view.on_background = options.on_background;
   return chosen;
 }

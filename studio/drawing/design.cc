@@ -1,7 +1,10 @@
 #include "studio/drawing/design.h"
 
+#include <iterator>
+
 #include <nlohmann/json.hpp>
 
+#include "media/frame/filmed_ground.h"
 #include "studio/drawing/fields.h"
 
 namespace freshet::studio {
@@ -14,13 +17,11 @@ Design read_design(const Fields& fields) {
                 .sources = fields.drawn("sources"),
                 .winds = fields.strokes("winds"),
                 .look = fields.text("look"),
-                .ground = fields.text("ground"),
+                .ground = fields.word("ground", {std::begin(media::kGrounds), std::end(media::kGrounds)}),
                 .frames = fields.integer("frames", 1, 500),
                 .full = fields.flag("full")};
   if (design.fluid != "smoke" && design.fluid != "fire" && design.fluid != "water")
     fields.fail("\"fluid\" is none of smoke, fire, water");
-  if (design.ground != "none" && design.ground != "black" && design.ground != "white")
-    fields.fail("\"ground\" is none of none, black, white");
   if (design.look.starts_with('-')) fields.fail("\"look\" is no clip's name");
   return design;
 }

@@ -1,6 +1,7 @@
 // freshet synth flowlines: endless video from a short clip, along the lines that its fluid flows on.
 
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -66,7 +67,7 @@ flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const fl
   options.in_turn = command.repeats == "in-turn";
   options.mixing = flowlines::parse_mixing(command.blend);
   options.view.correspondence = flowlines::parse_correspondence(command.correspondence);
-  options.view.ground = flowlines::parse_ground(command.ground);
+  options.view.ground = media::parse_ground(command.ground);
   if (command.loop) options.loop_frames = command.frames;
   std::vector<std::string> notices;
   flowlines::read_asked(command.asked, footage, options, notices);
@@ -268,7 +269,7 @@ void add_editing(CLI::App& sub, FlowlinesCommand& command) {
       ->group(editing);
   sub.add_option("--ground", command.ground,
                  "Background that makes the fluid transparent: black (fire), white (smoke), or none (opaque)")
-      ->check(CLI::IsMember({"none", "black", "white"}))
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(media::kGrounds), std::end(media::kGrounds))))
       ->capture_default_str()
       ->group(editing);
   sub.add_option("--background", command.asked.background,

@@ -61,11 +61,6 @@ Correspondence parse_correspondence(std::string_view word) {
       {{{"equal", Correspondence::kEqual}, {"stretched", Correspondence::kStretched}}});
 }
 
-Ground parse_ground(std::string_view word) {
-  return parse<Ground, 3>("ground", word,
-                          {{{"none", Ground::kNone}, {"black", Ground::kBlack}, {"white", Ground::kWhite}}});
-}
-
 void read_asked(const AskedLines& asked, const Footage& footage, FlowlinesOptions& options,
                 std::vector<std::string>& notices) {
   if (!asked.matte.empty()) {

@@ -17,8 +17,6 @@ Dynamics parse_dynamics(std::string_view word);
 Mixing parse_mixing(std::string_view word);
 /// "equal", "stretched".
 Correspondence parse_correspondence(std::string_view word);
-/// "none", "black", "white".
-Ground parse_ground(std::string_view word);
 
 /// Files over a clip; each may be empty.
 struct AskedLines {

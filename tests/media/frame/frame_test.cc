@@ -12,7 +12,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "media/frame/filmed_ground.h"
 #include "media/frame/frame_md5.h"
+#include "tests/harness/fault.h"
 
 namespace freshet::media {
 namespace {
@@ -205,6 +207,13 @@ TEST(FrameMd5, IgnoresThePaddingOfRows) {
   const char rows[2][4] = {"abc", "def"};
   for (int y = 0; y < 2; ++y) std::memcpy(frame.planes[0].data + y * frame.planes[0].stride, rows[y], 3);
   EXPECT_EQ(frame_md5(frame), "e80b5017098950fc58aad83c8c14978e");  // printf abcdef | md5sum
+}
+
+TEST(FilmedGround, IsFoundByItsNameAndByNoOther) {
+  for (const Ground ground : {Ground::kNone, Ground::kBlack, Ground::kWhite})
+    EXPECT_EQ(parse_ground(kGrounds[static_cast<std::size_t>(ground)]), ground);
+  EXPECT_NE(fault_of(ErrorKind::kUsage, [] { parse_ground("grey"); }).find("none, black, white"),
+            std::string::npos);
 }
 
 }  // namespace
