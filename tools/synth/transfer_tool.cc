@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
@@ -254,9 +255,7 @@ transfer::TransferOptions engine_options(const TransferCommand& command) {
 
 transfer::ExemplarFiles open_exemplar(const TransferCommand& command, int frames) {
   transfer::ExemplarOptions options = command.exemplar_options;
-  options.ground = command.ground == "black"   ? transfer::Ground::kBlack
-                   : command.ground == "white" ? transfer::Ground::kWhite
-                                               : transfer::Ground::kNone;
+  options.ground = media::parse_ground(command.ground);
   options.patch = command.options.patch;
   options.radius = command.options.radius;
   options.lower = command.options.lower;
@@ -494,7 +493,7 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
          "What the exemplar stands on, where it has no alpha: black (light, such as fire: for add and "
          "screen; its body is found, or given with --exemplar-alpha), white (dark on white: for "
          "over), or none")
-      ->check(CLI::IsMember({"none", "black", "white"}))
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(media::kGrounds), std::end(media::kGrounds))))
       ->capture_default_str()
       ->group(look);
   sub.add_option("--exemplar-scale", command.exemplar_scale,

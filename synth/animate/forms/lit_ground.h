@@ -13,8 +13,8 @@ class LitGround {
  public:
   /// still     the ground is as dark as its darkest quarter says.
   /// usual     CV_32F, the level of the light at which the ground is as in the picture.
-  /// reach     px, sigma of the light around a flame; as much of it again falls within five times that, so that together
-  ///           it falls off about as the square of the distance.
+  /// reach     px, sigma of the light around a flame; as much of it again falls within five times that, so that
+  ///           together it falls off about as the square of the distance.
   /// lighting  by day, how far the ground follows, of the light's own change, 0..1. In the dark it follows it all.
   LitGround(const PartedStill& still, const cv::Mat& usual, double reach, double lighting);
 
