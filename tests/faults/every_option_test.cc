@@ -428,6 +428,7 @@ class Material {
     cv::RNG(3).fill(still, cv::RNG::UNIFORM, 40, 210);
     cv::GaussianBlur(still, still, {}, 1.2);
     cv::rectangle(still, {20, 10, 50, 50}, cv::Scalar(200, 120, 40), 5);
+    cv::ellipse(still, {45, 40}, {8, 14}, 0, 0, 360, cv::Scalar(30, 130, 250), cv::FILLED);  // a flame
     put("still.png", still);
     cv::Mat wide;
     cv::resize(still, wide, {}, 2, 2, cv::INTER_CUBIC);
