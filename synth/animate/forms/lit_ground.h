@@ -11,7 +11,7 @@ namespace freshet::synth::animate {
 /// stands by day. In the dark, where nothing else lights it, all of it follows: wax below its flame, logs, a wall.
 class LitGround {
  public:
-  /// still     the ground is as dark as its darkest quarter says.
+  /// still     the darkest quarter of its ground tells night from day.
   /// usual     CV_32F, the level of the light at which the ground is as in the picture.
   /// reach     px, sigma of the light around a flame; as much of it again falls within five times that, so that
   ///           together it falls off about as the square of the distance.
