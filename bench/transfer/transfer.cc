@@ -507,7 +507,7 @@ int main(int argc, char** argv) try {
     bool drawn = false;
     for (const Method& method : methods()) {
       if (!settings.methods.empty() && !settings.methods.contains(method.name)) continue;
-      if ((method.options.stabilised || method.options.divergence > 0) && look.frames.size() == 1) continue;
+      if (needs_motion(method.options) && look.frames.size() == 1) continue;
       const Series series = run(look, design, method, settings, drawn ? nullptr : &sheet);
       drawn = true;
       const std::size_t n = series.sharpness.size(), early = std::min<std::size_t>(n, 10),

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <iterator>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "freshet/error.h"
 
@@ -15,15 +15,20 @@ enum class Ground {
   kBlack,  // light on black, such as fire
   kWhite,  // dark on white, such as smoke
 };
-inline constexpr const char* kGrounds[] = {"none", "black", "white"};  // their names
+/// Their names, in the order of the enumeration.
+inline const std::vector<std::string>& ground_names() {
+  static const std::vector<std::string> names{"none", "black", "white"};
+  return names;
+}
 
-/// Throws Error{kUsage} for what is none of kGrounds.
+/// Throws Error{kUsage} for what is none of ground_names().
 inline Ground parse_ground(std::string_view word) {
-  const auto* found = std::find(std::begin(kGrounds), std::end(kGrounds), word);
-  if (found == std::end(kGrounds))
+  const std::vector<std::string>& names = ground_names();
+  const auto found = std::find(names.begin(), names.end(), word);
+  if (found == names.end())
     throw Error(ErrorKind::kUsage, "ground \"" + std::string(word) + "\"", "there is no such choice",
                 "Give one of none, black, white");
-  return static_cast<Ground>(found - std::begin(kGrounds));
+  return static_cast<Ground>(found - names.begin());
 }
 
 }  // namespace freshet::media

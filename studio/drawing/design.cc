@@ -1,7 +1,5 @@
 #include "studio/drawing/design.h"
 
-#include <iterator>
-
 #include <nlohmann/json.hpp>
 
 #include "media/frame/filmed_ground.h"
@@ -17,7 +15,7 @@ Design read_design(const Fields& fields) {
                 .sources = fields.drawn("sources"),
                 .winds = fields.strokes("winds"),
                 .look = fields.text("look"),
-                .ground = fields.word("ground", {std::begin(media::kGrounds), std::end(media::kGrounds)}),
+                .ground = fields.word("ground", media::ground_names()),
                 .frames = fields.integer("frames", 1, 500),
                 .full = fields.flag("full")};
   if (design.fluid != "smoke" && design.fluid != "fire" && design.fluid != "water")

@@ -75,8 +75,7 @@ DrawnLayer read_layer(const Fields& fields) {
   if (fields.has("matte_clip")) layer.matte_clip = fields.text("matte_clip");
   if (fields.has("start")) layer.start = number(fields, "start", "footage", "start");
   if (fields.has("repeats")) layer.repeats = fields.flag("repeats");
-  if (fields.has("ground"))
-    layer.ground = fields.word("ground", {std::begin(media::kGrounds), std::end(media::kGrounds)});
+  if (fields.has("ground")) layer.ground = fields.word("ground", media::ground_names());
   if (fields.has("blend"))
     layer.blend = fields.word("blend", {std::begin(media::kBlends), std::end(media::kBlends)});
   for (const auto& [key, name] : {std::pair("clip", layer.clip), std::pair("matte_clip", layer.matte_clip)})

@@ -1,6 +1,5 @@
 #include "studio/drawing/flowlines.h"
 
-#include <iterator>
 #include <set>
 #include <string_view>
 
@@ -77,17 +76,16 @@ Json lines_json(const std::vector<ClipLine>& lines) {
 Flowlines read_flowlines(const Fields& fields) {
   fields.only({"clip", "dropped", "lines", "edited", "join", "stretched", "ground", "frames", "loop",
                "moving_camera"});
-  Flowlines flowlines{
-      .clip = fields.text("clip"),
-      .dropped = fields.flag("dropped"),
-      .lines = read_lines(fields, "lines"),
-      .edited = read_lines(fields, "edited"),
-      .join = fields.number("join", 0, 10000),
-      .stretched = fields.flag("stretched"),
-      .ground = fields.word("ground", {std::begin(media::kGrounds), std::end(media::kGrounds)}),
-      .frames = fields.integer("frames", 1, 20000),
-      .loop = fields.flag("loop"),
-      .moving_camera = fields.flag("moving_camera")};
+  Flowlines flowlines{.clip = fields.text("clip"),
+                      .dropped = fields.flag("dropped"),
+                      .lines = read_lines(fields, "lines"),
+                      .edited = read_lines(fields, "edited"),
+                      .join = fields.number("join", 0, 10000),
+                      .stretched = fields.flag("stretched"),
+                      .ground = fields.word("ground", media::ground_names()),
+                      .frames = fields.integer("frames", 1, 20000),
+                      .loop = fields.flag("loop"),
+                      .moving_camera = fields.flag("moving_camera")};
   if (flowlines.dropped && (flowlines.clip.find('/') != std::string::npos || flowlines.clip.starts_with('.')))
     fields.fail("\"clip\" is no file of the project");
   for (const ClipLine& line : flowlines.lines)

@@ -61,6 +61,11 @@ struct TransferOptions {
 /// Throws Error{kUsage} that names the field and its range.
 void check(const TransferOptions& options);
 
+/// Whether ExemplarFrame::back is read.
+inline bool needs_motion(const TransferOptions& options) {
+  return options.stabilised || options.divergence > 0;
+}
+
 /// One moment of the look.
 struct ExemplarFrame {
   /// CV_8UC4, CV_16UC4 or CV_32FC4 (0..1), straight alpha; the colour of what is transparent counts for

@@ -1,7 +1,6 @@
 // freshet synth flowlines: endless video from a short clip, along the lines that its fluid flows on.
 
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -269,7 +268,7 @@ void add_editing(CLI::App& sub, FlowlinesCommand& command) {
       ->group(editing);
   sub.add_option("--ground", command.ground,
                  "Background that makes the fluid transparent: black (fire), white (smoke), or none (opaque)")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(media::kGrounds), std::end(media::kGrounds))))
+      ->check(CLI::IsMember(media::ground_names()))
       ->capture_default_str()
       ->group(editing);
   sub.add_option("--background", command.asked.background,

@@ -260,7 +260,7 @@ transfer::ExemplarFiles open_exemplar(const TransferCommand& command, int frames
   options.radius = command.options.radius;
   options.lower = command.options.lower;
   options.frames = frames;
-  options.motion = command.options.stabilised || command.options.divergence > 0;
+  options.motion = transfer::needs_motion(command.options);
   options.scale = command.exemplar_scale.value_or(1);
   if (command.store.empty()) return {command.exemplar, options};
   return {store::Store::open_read(command.store).snapshot(), command.exemplar, options};
@@ -350,7 +350,7 @@ class TransferRun {
       composite_.emplace(std::move(*opened));
     fit(command_, design_, exemplar_);
     check(exemplar_, "checking the exemplar");
-    if ((command_.options.stabilised || command_.options.divergence > 0) && exemplar_.frames() == 1)
+    if (transfer::needs_motion(command_.options) && exemplar_.frames() == 1)
       throw Error(ErrorKind::kUsage, command_.options.stabilised ? "--stabilise" : "--divergence",
                   command_.exemplar + " is one picture, which does not move",
                   "Leave it out, or give a video");
@@ -493,7 +493,7 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
          "What the exemplar stands on, where it has no alpha: black (light, such as fire: for add and "
          "screen; its body is found, or given with --exemplar-alpha), white (dark on white: for "
          "over), or none")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(media::kGrounds), std::end(media::kGrounds))))
+      ->check(CLI::IsMember(media::ground_names()))
       ->capture_default_str()
       ->group(look);
   sub.add_option("--exemplar-scale", command.exemplar_scale,
@@ -503,8 +503,7 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
       ->group(look);
   sub.add_flag("--stabilise", command.options.stabilised,
                "Take the exemplar's own motion out of it, so that the design alone moves its texture; for "
-               "videos that "
-               "move faster than the design, or another way. Textures become softer [off]")
+               "videos that move faster than the design, or another way. Textures become softer [off]")
       ->group(look);
   sub.add_option("--design", command.design,
                  "A folder that freshet synth simulate left: its alpha/ and flow/")

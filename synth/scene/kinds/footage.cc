@@ -1,7 +1,6 @@
 #include "synth/scene/kinds/footage.h"
 
 #include <cmath>
-#include <iterator>
 #include <optional>
 #include <string>
 
@@ -46,7 +45,7 @@ const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>() {
        "frame is transparent). It limits what its alpha or ground leaves",
        "none"},
       {"ground",
-       Words<FootageMotion>{{std::begin(media::kGrounds), std::end(media::kGrounds)}, take_ground},
+       Words<FootageMotion>{media::ground_names(), take_ground},
        {},
        "",
        "what the film was filmed on, which is taken off: light on black, as fire; dark on white, as smoke"},

@@ -1,7 +1,5 @@
 #include "synth/scene/kinds/transfer.h"
 
-#include <iterator>
-
 #include "synth/scene/kinds/kind_keys.h"
 
 namespace freshet::synth::scene {
@@ -34,7 +32,7 @@ const std::vector<Key<TransferMotion>>& keys_of<TransferMotion>() {
        kNeeded},
       {"exemplar_alpha", &TransferMotion::exemplar_alpha, {}, "", "masks of the exemplar", "its own alpha"},
       {"ground",
-       Words<TransferMotion>{{std::begin(media::kGrounds), std::end(media::kGrounds)}, take_ground},
+       Words<TransferMotion>{media::ground_names(), take_ground},
        {},
        "",
        "what the exemplar lies on: light on black, as fire; dark on white, as smoke"},

@@ -211,7 +211,7 @@ TEST(FrameMd5, IgnoresThePaddingOfRows) {
 
 TEST(FilmedGround, IsFoundByItsNameAndByNoOther) {
   for (const Ground ground : {Ground::kNone, Ground::kBlack, Ground::kWhite})
-    EXPECT_EQ(parse_ground(kGrounds[static_cast<std::size_t>(ground)]), ground);
+    EXPECT_EQ(parse_ground(ground_names()[static_cast<std::size_t>(ground)]), ground);
   EXPECT_NE(fault_of(ErrorKind::kUsage, [] { parse_ground("grey"); }).find("none, black, white"),
             std::string::npos);
 }
