@@ -46,6 +46,8 @@ struct CarriedOptions {
   /// Whether the picture's layout stands and only its texture goes (StandingLayout), as in falls and rapids, or goes,
   /// as in seas, whose crests it is. It always goes with a moving outline.
   Layout layout = Layout::kMeasured;
+  /// Of levels of 16 px and more, how much of what stands as measured is to stand, 0..1.
+  double wide_layout = 1;
   /// Whether the mean light and colour of wide places stay the still's (StandingColour). Not of flames by themselves,
   /// whose level is what they do.
   bool holds_light = true;

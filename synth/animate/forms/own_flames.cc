@@ -20,6 +20,8 @@ constexpr double kReach = 0.08;       // sigma of the light around a flame, of t
 constexpr double kNearFlames = 0.08;  // of the same: so far from the picture's flames light may come anew
 constexpr float kBehind = 0.6f;       // levels that flames lose behind what may stand before them
 constexpr double kBelow = 0.012;      // of the same: over which light ends below the bed
+constexpr double kWideLayout = 0.3;   // of flames (CarriedOptions::wide_layout)
+constexpr float kShines = 0.1f;       // levels above are flames
 constexpr double kBedBeside = 0.004;  // of the same: columns that share their bed
 
 cv::Mat thrice(const cv::Mat& level) {
@@ -28,35 +30,50 @@ cv::Mat thrice(const cv::Mat& level) {
   return out;
 }
 
+/// By column, the lowest row of flames nearby; -1 where there are none.
+std::vector<int> beds_of(const cv::Mat& level) {
+  const double side = std::max(level.cols, level.rows);
+  const int wide = std::max(1, static_cast<int>(std::lround(kBedBeside * side)));
+  std::vector<int> own(level.cols, -1), bed(level.cols);
+  for (int y = 0; y < level.rows; ++y)
+    for (int x = 0; x < level.cols; ++x)
+      if (level.at<float>(y, x) > kShines) own[x] = y;
+  for (int x = 0; x < level.cols; ++x)
+    bed[x] = *std::max_element(own.begin() + std::max(0, x - wide),
+                               own.begin() + std::min(level.cols, x + wide + 1));
+  return bed;
+}
+
 /// 0..1: where light may be. Near the picture's flames, but not below them: what burns before a log or a rim has its
 /// foot there, and copies that begin farther down do not show through.
 cv::Mat reach_of(const cv::Mat& level) {
   const double side = std::max(level.cols, level.rows), near = kNearFlames * side, below = kBelow * side;
-  const cv::Mat shines = level > 0.1f;
   cv::Mat distance, reach(level.size(), CV_32F);
-  cv::distanceTransform(~shines, distance, cv::DIST_L2, 3);
-  std::vector<int> bed(level.cols, -1);
-  for (int y = 0; y < level.rows; ++y)
-    for (int x = 0; x < level.cols; ++x)
-      if (shines.at<std::uint8_t>(y, x) != 0) bed[x] = y;
-  const int wide = std::max(1, static_cast<int>(std::lround(kBedBeside * side)));
-  for (int x = 0; x < level.cols; ++x) {
-    const auto first = bed.begin() + std::max(0, x - wide);
-    const auto last = bed.begin() + std::min(level.cols, x + wide + 1);
-    const int lowest = *std::max_element(first, last);
+  cv::distanceTransform(level <= kShines, distance, cv::DIST_L2, 3);
+  const std::vector<int> bed = beds_of(level);
+  for (int x = 0; x < level.cols; ++x)
     for (int y = 0; y < level.rows; ++y) {
-      const double far = distance.at<float>(y, x) / near, under = lowest < 0 ? 0 : (y - lowest) / below;
+      const double far = distance.at<float>(y, x) / near, under = bed[x] < 0 ? 0 : (y - bed[x]) / below;
       reach.at<float>(y, x) = static_cast<float>(std::clamp(std::min(2 - far, 1 - under), 0.0, 1.0));
     }
-  }
   return reach;
+}
+
+/// A fire's foot burns on while its flames go up: what comes from below the bed is as what burns above it, mirrored.
+cv::Mat fed_from_below(const cv::Mat& level) {
+  const std::vector<int> bed = beds_of(level);
+  cv::Mat fed = level.clone();
+  for (int x = 0; x < level.cols; ++x)
+    for (int y = bed[x] + 1; bed[x] >= 0 && y < level.rows; ++y)
+      fed.at<float>(y, x) = 2 * bed[x] - y >= 0 ? level.at<float>(2 * bed[x] - y, x) : 0;
+  return fed;
 }
 
 /// The light alone as a picture: grey, on black.
 StillPart light_as_still(const StillPart& still, const PartedStill& parted) {
   StillPart light = still;
-  light.target = thrice(parted.level);
-  light.luma = parted.level;
+  light.luma = fed_from_below(parted.level);
+  light.target = thrice(light.luma);
   light.behind.release();
   light.colours.slope = cv::Mat::zeros(parted.level.size(), CV_32FC3);
   light.colours.offset = cv::Mat::zeros(parted.level.size(), CV_32FC3);
@@ -70,9 +87,9 @@ FrameOptions of_light(const FrameOptions& options) {
   return out;
 }
 
-/// A flame has no layout, and its level is what it does.
+/// A flame's level is what it does: where its clips' wide forms stand, that is the ground around them.
 CarriedOptions of_flames(CarriedOptions options) {
-  options.layout = Layout::kGoes;
+  options.wide_layout = kWideLayout;
   options.holds_light = false;
   return options;
 }

@@ -154,6 +154,21 @@ std::uint64_t hash_of(const Frames& frames) {
 
 TEST_P(Animated, FramesAreThoseOfTheGoldenHash) { EXPECT_EQ(hash_of(whole()), GetParam().golden); }
 
+TEST_F(Animated, WideFormsGoWhereTheyAreNotToStand) {
+  const auto changed = [](double wide_layout) {
+    AnimateOptions options;
+    options.frames = 20;
+    options.method = CarriedOptions{.wide_layout = wide_layout, .holds_light = false};
+    cv::Mat last, still;
+    animated(options).frames.back().convertTo(last, CV_32F);
+    picture().convertTo(still, CV_32F);
+    cv::Mat wide = last - still;
+    cv::GaussianBlur(wide, wide, {}, 6);
+    return cv::norm(wide({84, 20, 36, 60}), cv::NORM_L1);  // where the layout stands
+  };
+  EXPECT_GT(changed(0), 1.3 * changed(1));
+}
+
 TEST_P(Animated, FramesAreTheSameForAnyMemory) {
   AnimateOptions options = GetParam().options;
   options.memory_bytes = 1;
