@@ -17,8 +17,9 @@ struct OwnFlamesOptions {
   double lighting = 0.5;     // how far the ground follows the light that falls on it by day, 0..1 (LitGround)
 };
 
-/// The level of the picture's light is carried as a picture of its own would be; its colour follows the picture's curve
-/// over level (LightColours), so a flame that gets darker turns red, not grey. Logs, rims and embers do not move.
+/// The level of the picture's light is carried as a picture of its own would be, whose wide forms stand less than the
+/// clips' do; below its bed lies its mirror image, so that a foot burns on. Its colour follows the picture's curve over
+/// level (LightColours), so a flame that gets darker turns red, not grey. Logs, rims and embers do not move.
 /// Frame 0 is the picture.
 /// parted  of this picture, with contrast.
 std::unique_ptr<Renderer> own_flames(Animation& animation, const StillPart& still, PartedStill parted,
