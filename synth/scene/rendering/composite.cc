@@ -9,6 +9,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "platform/vectors.h"
+#include "synth/sampling/bilinear.h"
 #include "synth/sampling/cubic.h"
 
 namespace freshet::synth::scene {
@@ -228,15 +229,25 @@ void let_light_fall(std::span<const FallingLight* const> falling, int x, int y, 
   }
 }
 
-/// Factors of the light at n pixels; false: it is 1 everywhere, and nothing that counts was written.
-bool light_of(const MovedSprite& moved, int x, int y, int n, float* factor) {
+/// Factors of the light at n pixels; false: it is 1 everywhere, and nothing that counts was written. dx, dy   px, of
+/// what the pixels show.
+bool light_of(const MovedSprite& moved, int x, int y, int n, const float* dx, const float* dy,
+              float* factor) {
   bool lit = moved.motion->light(x, y, n, factor);
   const auto by = [&](auto&& light) {
     for (int i = 0; i < n; ++i) factor[i] = lit ? factor[i] * light(i) : light(i);
     lit = true;
   };
-  for (const cv::Mat* const map : moved.lights)
-    if (map != nullptr) by([row = map->ptr<float>(y) + x](int i) { return row[i]; });
+  for (const cv::Mat* const map : moved.lights) {
+    if (map == nullptr) continue;
+    if (moved.light_moves && map == moved.lights[0])
+      by([&](int i) {
+        return sampling::bilinear<float>(*map, static_cast<float>(x + i) + dx[i],
+                                         static_cast<float>(y) + dy[i]);
+      });
+    else
+      by([row = map->ptr<float>(y) + x](int i) { return row[i]; });
+  }
   if (moved.lit != nullptr) by([all = *moved.lit](int) { return all; });
   return lit;
 }
@@ -254,7 +265,8 @@ void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scra
   const float* held = sprite.held.empty()
                           ? nullptr
                           : sprite.held.ptr<float>(y - sprite.box.y) + (columns.start - sprite.box.x);
-  const bool lit = light_of(moved, columns.start, y, n, scratch.light.data());
+  const bool lit =
+      light_of(moved, columns.start, y, n, scratch.dx.data(), scratch.dy.data(), scratch.light.data());
   lay_behind(sample, held, lit ? scratch.light.data() : nullptr, moved.blend, n,
              scratch.seen.data() + columns.start,
              scratch.shown.empty() ? nullptr : scratch.shown.data() + columns.start,

@@ -29,6 +29,8 @@ struct MovedSprite {
   /// Factors of the light that falls on it, of each pixel of the picture, CV_32F, and of all of it; null: 1.
   std::array<const cv::Mat*, 2> lights{};
   const float* lit = nullptr;
+  /// Whether the first of the lights moves as the layer's colours do: a pixel has that of the place it shows.
+  bool light_moves = false;
   std::span<const FallingLight* const> falling{};
 };
 

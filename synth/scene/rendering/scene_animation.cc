@@ -245,6 +245,7 @@ void SceneAnimation::place_shadows(const Scene& scene, std::span<const LayerPixe
     Placed& placed = placed_[i];
     if (lies_in_light(layer)) {
       moved_[i].lights[0] = light;
+      moved_[i].light_moves = layer.as<WaterMotion>() != nullptr;
       const std::optional<cv::Point2d> foot = foot_of(scene, layer);
       if (shade_ != nullptr && foot) placed.foot = *foot, moved_[i].lit = &placed.lit;
       if (shade_ != nullptr && !foot) moved_[i].lights[1] = &shaded_;

@@ -104,6 +104,27 @@ TEST(Composite, MovesByWholePixelsWithoutAChange) {
     }
 }
 
+TEST(Composite, TheFirstLightMovesWithTheColoursWhereItIsAskedTo) {
+  const cv::Size size(40, 30);
+  const cv::Mat colour = noise(size, CV_32FC3, 1), first = noise(size, CV_32F, 2),
+                second = noise(size, CV_32F, 3);
+  const Sprite sprite = make_sprite(colour, cv::Mat(size, CV_32F, cv::Scalar(1)), Outline::kMoves);
+  const Shift shift(-4, 3);
+  MovedSprite layer{&sprite, &shift};
+  layer.lights = {&first, &second};
+  for (const bool moves : {true, false}) {
+    layer.light_moves = moves;
+    cv::Mat found(size, CV_32FC4);
+    composite(std::span(&layer, 1), found);
+    for (int y = 0; y < 27; ++y)
+      for (int x = 4; x < 40; ++x) {
+        const float light = moves ? first.at<float>(y + 3, x - 4) : first.at<float>(y, x);
+        ASSERT_FLOAT_EQ(found.at<cv::Vec4f>(y, x)[1],
+                        colour.at<cv::Vec3f>(y + 3, x - 4)[1] * (light * second.at<float>(y, x)));
+      }
+  }
+}
+
 TEST(Composite, BetweenPixelsItIsTheCubicThatOpenCvHas) {
   const cv::Size size(60, 50);
   cv::Mat colour;

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "synth/sampling/bilinear.h"
 #include "synth/scene/motion/cloud_drift.h"
 #include "synth/scene/rendering/cloud_shade.h"
 #include "synth/scene/rendering/layer_shadow.h"
@@ -270,6 +271,38 @@ TEST(Shadows, OfALayerFallOnThoseBehindItAlone) {
   cv::Mat colours, expected;
   cv::cvtColor(sum, colours, cv::COLOR_BGRA2BGR), cv::cvtColor(whole, expected, cv::COLOR_BGRA2BGR);
   EXPECT_LT(cv::norm(colours, expected, cv::NORM_INF), 1e-4);
+}
+
+/// A boat that waves do not move casts on a lake that they do.
+TEST(Shadows, OnWaterMoveAsItsColoursDo) {
+  const std::string boat = "hull = [80, 90, 120, 90]\n", keeps = "heave = 0\nroll = 0\n",
+                    casts = "shadow = [100, 90, 60, 115]\nshadow_in_still = false\nshadow_softness = 1\n";
+  constexpr std::size_t kLake = 2;
+  const auto light_of = [&](const std::string& wind, MadeScene& cast) {
+    const cv::Mat plain = frame_of(with(made_scene_text(wind), boat, keeps), 7);
+    cv::Mat shaded(kMadeSize, CV_32FC4), light;
+    cast.animation().render(7, shaded);
+    cv::divide(shaded, plain, light);
+    cv::extractChannel(light, light, 1);
+    return light;
+  };
+  MadeScene unmoved(with(made_scene_text("speed = 0"), boat, keeps + casts)),
+      moved(with(made_scene_text("speed = 5"), boat, keeps + casts));
+  const cv::Mat calm = light_of("speed = 0", unmoved), waves = light_of("speed = 5", moved);
+  std::vector<float> dx(160), dy(160);
+  int elsewhere = 0;
+  for (int y = 98; y < 112; ++y) {
+    moved.animation().motion(kLake).row(0, 0, y, 160, dx.data(), dy.data());
+    for (int x = 0; x < 160; ++x) {
+      const auto i = static_cast<std::size_t>(x);
+      const float from_x = static_cast<float>(x) + dx[i], from_y = static_cast<float>(y) + dy[i];
+      if (from_y < 94 || from_y > 118) continue;  // under the boat, or beyond the picture
+      ASSERT_NEAR(waves.at<float>(y, x), sampling::bilinear<float>(calm, from_x, from_y), 1e-3)
+          << x << " " << y;
+      elsewhere += std::abs(waves.at<float>(y, x) - calm.at<float>(y, x)) > 0.05 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(elsewhere, 30);
 }
 
 TEST(Shadows, OfSeveralLayersAndOfCloudsMultiply) {
