@@ -219,6 +219,37 @@ TEST(BenchRuns, SeveralFluidsAreLaidOverOnePicture) {
   EXPECT_EQ(cv::norm(both(first), one(first), cv::NORM_L1), 0) << "the second leaves the first as it is";
 }
 
+TEST(BenchRuns, WindsRaiseTheWavesThatAreAsked) {
+  const WorkFolder folder;
+  cv::Mat picture(120, 160, CV_8UC3), matte(120, 160, CV_8U, cv::Scalar(0));
+  cv::randu(picture, 0, 255);
+  matte.rowRange(50, 120).setTo(255);
+  cv::imwrite(folder / "still.png", picture), cv::imwrite(folder / "matte.png", matte);
+  const Outcome outcome = folder.run({"/usr/bin/python3", FRESHET_SOURCE_DIR "/bench/scene/winds.py",
+                                      FRESHET_EXECUTABLE, "still.png", "matte.png", "made", "--horizon", "40",
+                                      "--camera", "0.75", "--frames", "24", "--sheet", "winds.png"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<std::string> lines = lines_of(outcome.out);
+  ASSERT_EQ(lines.size(), 9U) << outcome.out;
+  EXPECT_NE(text_of(FRESHET_SOURCE_DIR "/docs/scene.md").find(lines[0]), std::string::npos) << lines[0];
+  std::vector<double> heights;
+  for (std::size_t i = 2; i < lines.size(); ++i) {
+    std::istringstream row(lines[i]);
+    std::string bar;
+    double speed = 0, direction = 0, roughness = 0, asked = 0, rendered = 0, towards = 0;
+    row >> bar >> speed >> bar >> direction >> bar >> roughness >> bar >> asked >> bar >> rendered >> bar >>
+        towards;
+    EXPECT_NEAR(towards, direction, 45) << lines[i];  // few waves are in so small a picture
+    EXPECT_GT(rendered, 0.4 * asked) << lines[i];
+    EXPECT_LT(rendered, 1.5 * asked) << lines[i];
+    heights.push_back(rendered);
+  }
+  EXPECT_LT(heights[0], heights[1]);
+  EXPECT_LT(heights[1], heights[2]);
+  EXPECT_LT(heights[5], heights[6]) << "smoother water is higher";
+  EXPECT_EQ(cv::imread(folder / "winds.png").cols, 3 * (160 + 4));
+}
+
 TEST(BenchRuns, MovedCutsAreMadeAndCounted) {
   const WorkFolder folder;
   const Outcome outcome = folder.run({"/usr/bin/python3", FRESHET_SOURCE_DIR "/bench/ingest/moved_cuts.py",
