@@ -6,19 +6,20 @@
 // EXEMPLAR is NAME[:GROUND][@DESIGN][*SPEED]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
 // a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
 // DESIGN: a preset of freshet synth simulate (plume, firepit, ...), or disc, which is lobed and turns.
-// SPEED: every so many frames of a film; below 0 backwards. A frame is three quarters as high as wide, an
-// exemplar half as high as the frame: patches must repeat. First it checks what every frame promises: K and
-// K + 1 uses only, no patch of the other segment. Then, by exemplar and method (uniform; nearest, which is Kwatra
-// et al. 2005; stabilised, which is uniform of a video without its own motion; curved and diverging, which are
-// uniform with a guide of weight 1; uniform without coherence), over the frames:
+// SPEED: every so many frames of a film; below 0 backwards; 0: its first frame alone, a still. A frame is three
+// quarters as high as wide, an exemplar half as high as the frame: patches must repeat. First it checks what every
+// frame promises: K and K + 1 uses only, no patch of the other segment. Then, by exemplar and method (uniform; nearest,
+// which is Kwatra et al. 2005; stabilised, which is uniform of a video without its own motion; curved and diverging,
+// which are uniform with a guide of weight 1; uniform without coherence), over the frames:
 //   sharpness  mean squared Laplacian of grey, of the exemplar's
 //   structure  mean square of what is 4 to 8 px in size, of the exemplar's
 //   colours    L1 distance of colour histograms (8 x 8 x 8) from the exemplar's, 0 to 2
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
 //   slip       motion of the film less the design's, by optical flow where there is fluid: mean length, and mean, px
 //   curvature, divergence  of the design at a patch and of the exemplar at its source: correlation
-// --method makes these methods alone. --sheet draws a row for each exemplar: itself, and frames of its first method
-// after each quarter of the time, as Fig. 10 of Jamriska et al. 2015 does for ten exemplars on one design.
+// --method makes these methods alone. --sheet draws a row for each exemplar: itself, frames of its first method after
+// each quarter of the time, and the film's middle column over time. Fig. 10 of Jamriska et al. 2015 has ten exemplars
+// on one design; CLIP@fireball and CLIP@fireball*0 are their Fig. 11, a video beside a still of it.
 // --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
 // and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
 // above 1 megapixel of the first. Prints tables; --json has every frame's numbers.
@@ -168,6 +169,7 @@ Look read_look(const Asked& asked, const std::vector<TargetFrame>& design, int h
   }
   look.is_light = asked.ground == "black";
   const int speed = std::stoi(asked.speed);
+  if (speed == 0) look.name += "_still";
   const ExemplarOptions options{.ground = media::parse_ground(asked.ground),
                                 .frames = frames * std::max(1, std::abs(speed))};
   ExemplarFiles files =
@@ -176,7 +178,7 @@ Look read_look(const Asked& asked, const std::vector<TargetFrame>& design, int h
           : ExemplarFiles(store::Store::open_read(store_path).snapshot(), asked.name, options);
   if (!design.empty()) files.fit_body(extent_of_all(design), {});
   files.check();
-  const bool moves = files.frames() > 1;
+  const bool moves = files.frames() > 1 && speed != 0;
   for (int t = 0; t < (moves ? frames : 1); ++t) {
     cv::Mat values;
     files.at(speed < 0 ? (frames - 1 - t) * -speed : t * speed).bgra.convertTo(values, CV_32F, 1 / 65535.0);
@@ -348,7 +350,7 @@ std::vector<Method> methods() {
 class Sheet {
  public:
   void begin_row(const Look& look, cv::Size frame) {
-    row_ = cv::Mat(frame.height + report::kSheetLine, kColumns * frame.width, CV_8UC3,
+    row_ = cv::Mat(frame.height + report::kSheetLine, (static_cast<int>(kShown) + 2) * frame.width, CV_8UC3,
                    cv::Scalar::all(report::kSheetPaper));
     report::write_caption(row_, look.name, {4, row_.rows - 5}, row_.cols - 8);
     const cv::Mat& first = look.at(0);
@@ -356,18 +358,23 @@ class Sheet {
   }
   /// One of its frames, of so many: those after each quarter are kept.
   void add(const cv::Mat& bgra, std::size_t frame, std::size_t frames) {
-    for (std::size_t column = 1; column < kColumns; ++column)
-      if (frame + 1 == std::max<std::size_t>(1, column * frames / (kColumns - 1)))
-        put(bgra, static_cast<int>(column), bgra.size());
+    for (std::size_t column = 1; column <= kShown; ++column)
+      if (frame + 1 == std::max<std::size_t>(1, column * frames / kShown))
+        put(bgra, static_cast<int>(column) * bgra.cols, bgra.size());
+    const auto at = [&](std::size_t t) {
+      return static_cast<int>(t * static_cast<std::size_t>(bgra.cols) / frames);
+    };
+    for (int x = at(frame); x < at(frame + 1); ++x)
+      put(bgra.col(bgra.cols / 2), (static_cast<int>(kShown) + 1) * bgra.cols + x, {1, bgra.rows});
   }
   void end_row() { sheet_.push_back(row_); }
   const cv::Mat& picture() const { return sheet_; }
 
  private:
-  static constexpr std::size_t kColumns = 5;
+  static constexpr std::size_t kShown = 4;
 
-  void put(const cv::Mat& bgra, int column, cv::Size frame) {
-    cv::Mat cell = row_({column * frame.width, 0, frame.width, frame.height});
+  void put(const cv::Mat& bgra, int left, cv::Size frame) {
+    cv::Mat cell = row_({left, 0, frame.width, frame.height});
     for (int y = 0; y < std::min(bgra.rows, cell.rows); ++y)
       for (int x = 0; x < std::min(bgra.cols, cell.cols); ++x) {
         const cv::Vec4f& pixel = bgra.at<cv::Vec4f>(y, x);
