@@ -5,7 +5,8 @@
 //   bench_flowlines $FRESHET_FOOTAGE/clips/water/{waterfall_dusk_pool,brook_mossy_rocks}.mp4 ...
 //
 // The first seconds of each clip are made 20 s long: by flow lines (cut; mixed with contrast kept; and feathered as
-// printed), by a loop with a cross-fade, by video textures (Schoedl et al. 2000). Columns:
+// printed), by a loop with a cross-fade, by video textures (Schoedl et al. 2000), by dynamic textures (Doretto et al.
+// 2003). Columns:
 //   jump max, mean   how much more a 16 px block changes from frame to frame than in 19 of 20 frames of the clip, mean
 //                    over blocks that move: the worst frame, and all of them. 0 is none.
 //   dip max, mean    the other way: how much less fine texture (mean |Laplacian|) than in 19 of 20 frames of the clip.
@@ -17,6 +18,7 @@
 //   kept             fine texture (mean |Laplacian|) over the film by that of the clip's own two seconds, in blocks
 //                    that move: 1 is nothing lost. A loop shows the same two seconds again and again, and so keeps all
 //                    but what its cross-fade costs.
+//   CPU s, ms        to prepare, and a frame
 //   then bench/quality's measures against the clip's further frames, as many again of those being the ceiling.
 // Edits: all lines bent together by up to 35 degrees, where patches cover all (bench/flowlines/followed.h). Lines that
 // are not bent say how much of that is the measure's own error.
@@ -38,6 +40,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/flowlines/dynamic_texture.h"
 #include "bench/flowlines/followed.h"
 #include "bench/flowlines/video_texture.h"
 #include "bench/harness/arguments.h"
@@ -225,11 +228,12 @@ Row judged(const std::string& name, const std::vector<cv::Mat>& frames, const st
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-std::vector<cv::Mat> endless(const flowlines::Footage& footage, const flowlines::FlowlinesOptions& options,
-                             int frames, Cost& cost) {
+/// make   the engine, whose next() is a frame.
+template <typename Make>
+std::vector<cv::Mat> endless(const Make& make, int frames, Cost& cost) {
   const Stopwatch watch;
   const double cpu = cpu_seconds();
-  flowlines::Flowlines engine(footage, options);
+  auto engine = make();
   cost = {.prepare_s = watch.seconds(), .prepare_cpu_s = cpu_seconds() - cpu};
   std::vector<cv::Mat> out;
   for (int t = 0; t < frames; ++t) {
@@ -266,10 +270,11 @@ bench::Followed bent(const flowlines::Footage& footage, double degrees) {
 void print(const Row& row) {
   const bench::Distance& d = row.distance;
   fmt::print(
-      "  {:<22}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.2f}{:7.3f} "
+      "  {:<22}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.2f}{:7.3f}{:7.2f}{:7.1f} "
       "|{:8.2f}{:9.2f}{:8.1f}{:8.2f}{:8.2f}{:8.3f}",
       row.name, row.jumps.worst, row.jumps.mean, row.dips.worst, row.dips.mean, row.both.worst, row.both.mean,
-      row.repeats, row.kept, d.texture, d.contrast, d.spectrum_db, d.angle_deg, d.pace, d.ssim);
+      row.repeats, row.kept, row.cost.prepare_cpu_s, 1e3 * row.cost.frame_cpu_s, d.texture, d.contrast,
+      d.spectrum_db, d.angle_deg, d.pace, d.ssim);
   fmt::print("\n");
   std::fflush(stdout);
 }
@@ -307,7 +312,7 @@ nlohmann::json cost_of(const std::string& path, double seconds, int width) {
   const flowlines::Footage footage = beginning(path, bench::read_video(path, width, &fps), seconds, fps);
   constexpr int kFrames = 120;
   Cost cost;
-  endless(footage, {}, kFrames, cost);
+  endless([&] { return flowlines::Flowlines(footage, {}); }, kFrames, cost);
   fmt::print(
       "{} ({} x {}): prepared in {:.1f} s ({:.1f} s of CPU); a frame in {:.1f} ms ({:.1f} ms of CPU)\n",
       fs::path(path).stem().string(), footage.size().width, footage.size().height, cost.prepare_s,
@@ -343,15 +348,15 @@ nlohmann::json bends_of(const flowlines::Footage& footage) {
 void print_heading(const flowlines::Footage& footage) {
   fmt::print("{} ({} x {}, {} frames of {:.1f} s)\n", fs::path(footage.name).stem().string(),
              footage.size().width, footage.size().height, footage.count(), footage.count() / footage.fps);
-  fmt::print("  {:<22}{:>9}{:>8}{:>9}{:>8}{:>9}{:>8}{:>9}{:>7} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "",
-             "jump max", "mean", "dip max", "mean", "both max", "mean", "repeats", "kept", "texture",
-             "contrast", "dB", "angle", "pace", "ssim");
+  fmt::print("  {:<22}{:>9}{:>8}{:>9}{:>8}{:>9}{:>8}{:>9}{:>7}{:>7}{:>7} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n",
+             "", "jump max", "mean", "dip max", "mean", "both max", "mean", "repeats", "kept", "CPU s", "ms",
+             "texture", "contrast", "dB", "angle", "pace", "ssim");
 }
 
 struct Asked {
   double seconds = 2, output_seconds = 20;
   int width = 320;
-  bool brief = false;  // flow lines by default and the cross-fade alone, no edits
+  bool brief = false;  // without video textures, other mixes and edits
 };
 
 nlohmann::json run(const std::string& path, const Asked& asked) {
@@ -365,7 +370,8 @@ nlohmann::json run(const std::string& path, const Asked& asked) {
   nlohmann::json rows = nlohmann::json::array();
   flowlines::FlowlinesOptions options;
   Cost cost;
-  const std::vector<cv::Mat> kept = endless(footage, options, frames, cost);
+  const auto lines = [&] { return flowlines::Flowlines(footage, options); };
+  const std::vector<cv::Mat> kept = endless(lines, frames, cost);
   const bench::Region region{.matte = flowlines::Flowlines(footage, options).matte(), .border = {0, 0}};
   bench::Film truth;
   const bool judges = further >= 16;  // frames
@@ -382,12 +388,27 @@ nlohmann::json run(const std::string& path, const Asked& asked) {
   };
   const auto add_mixed = [&](const std::string& name, flowlines::Mixing mixing) {
     options.mixing = mixing;
-    const std::vector<cv::Mat> film = endless(footage, options, frames, cost);
+    const std::vector<cv::Mat> film = endless(lines, frames, cost);
     add(name, film, cost);
+  };
+  const auto add_dynamic = [&] {
+    std::size_t bytes = 0;
+    double modulus = 0;
+    const std::vector<cv::Mat> film = endless(
+        [&] {
+          bench::DynamicTexture texture(footage.frames);
+          bytes = texture.bytes(), modulus = texture.found_modulus();
+          return texture;
+        },
+        frames, cost);
+    add("dynamic textures", film, cost);
+    fmt::print("  (its states are {:.1f} MB; the largest eigenvalue {:.3f})\n",
+               static_cast<double>(bytes) / (1 << 20), modulus);
   };
   add("the clip itself", footage.frames, {});
   add("flow lines", kept, cost);
   add("loop with a cross-fade", bench::fading_loop(footage.frames, 8, frames), {});
+  add_dynamic();
   if (asked.brief) return {{"clip", path}, {"rows", rows}};
   add("video textures", bench::video_texture(footage.frames, frames), {});
   add_mixed("flow lines, mixed", flowlines::Mixing::kContrast);
@@ -408,7 +429,8 @@ int main(int argc, char** argv) {
   app.option("--seconds", asked.seconds, "Of the clip that are made endless");
   app.option("--output-seconds", asked.output_seconds, "That are made");
   app.option("--width", asked.width, "Longer side to which clips are reduced, px");
-  app.flag("--brief", asked.brief, "Only flow lines as they are by default, and the cross-fade");
+  app.flag("--brief", asked.brief,
+           "Only flow lines as they are by default, the cross-fade and dynamic textures");
   app.flag("--cost", only_cost, "Only what preparing and a frame cost");
   app.option("--json", json, "Also write the figures here");
   app.parse(argc, argv);

@@ -96,7 +96,7 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
       {"bench_flowlines",
        {river, "--seconds", "1", "--output-seconds", "2", "--width", "96", "--brief"},
        "flowlines.md",
-       {"jump", "dip", "repeats", "kept"}},
+       {"jump", "dip", "repeats", "kept", "dynamic textures"}},
       {"bench_stills",
        {"smoke", "--stills", "3,8", "--seconds", "1.1", "--width", "128", "--draws", "1"},
        "stills.md",
