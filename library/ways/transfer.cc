@@ -16,6 +16,9 @@ TransferReport transfer(const Design& design, const Look& look,
   engine::TransferOptions chosen;
   chosen.patch = options.patch;
   chosen.lambda = options.lambda;
+  chosen.curvature = options.curvature;
+  chosen.divergence = options.divergence;
+  chosen.stabilised = options.stabilise;
   chosen.motion_blur = options.motion_blur;
   chosen.seed = options.seed;
   engine::check(chosen);
@@ -25,11 +28,14 @@ TransferReport transfer(const Design& design, const Look& look,
     };
   };
   engine::DesignFiles files(design.alpha, design.flow, options.frames);
-  engine::ExemplarFiles exemplar(look.exemplar,
-                                 {.alpha = look.alpha, .patch = options.patch, .frames = files.frames()});
+  engine::ExemplarFiles exemplar(look.exemplar, {.alpha = look.alpha,
+                                                 .patch = options.patch,
+                                                 .frames = files.frames(),
+                                                 .motion = engine::needs_motion(chosen)});
   files.check(follow("checking the design"), job.stop);
   exemplar.check(follow("checking the exemplar"), job.stop);
   engine::check_outline(files, exemplar, design.alpha);
+  engine::check_guides(exemplar, chosen, look.exemplar);
 
   engine::Transfer making([&exemplar](int t) { return exemplar.at(t); }, chosen);
   const auto frames = static_cast<std::size_t>(files.frames());

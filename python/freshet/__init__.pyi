@@ -256,8 +256,8 @@ def flowlines(clip: _Path, store: Optional[Store] = None, *, frames: int = 500, 
               on_background: bool = False, progress: _Progress = None) -> FlowLines: ...
 
 def transfer(alpha: _Path, flow: _Path, exemplar: _Path, exemplar_alpha: Optional[_Path] = None, *, frames: int = 0,
-             patch: int = 5, lambda_: float = 0.2, motion_blur: float = 0, seed: int = 1,
-             progress: _Progress = None) -> Frames: ...
+             patch: int = 5, lambda_: float = 0.2, curvature: float = 0, divergence: float = 0, stabilise: bool = False,
+             motion_blur: float = 0, seed: int = 1, progress: _Progress = None) -> Frames: ...
 
 class SampledPatch:
     clip: str

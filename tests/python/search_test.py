@@ -170,6 +170,11 @@ class Searches(unittest.TestCase):
         frames = list(freshet.transfer(folder / "alpha", folder / "flow", self.scene.folder / "fall.png",
                                        self.scene.folder / "fall_matte.png", frames=2))
         self.assertEqual([(frame.shape, frame.dtype) for frame in frames], 2 * [((80, 96, 4), numpy.float32)])
+        look = (folder / "alpha", folder / "flow", self.scene.folder / "fall.png", self.scene.folder / "fall_matte.png")
+        bent = list(freshet.transfer(*look, frames=2, curvature=4))
+        self.assertTrue((bent[1] != frames[1]).any())
+        with self.assertRaisesRegex(freshet.Error, "does not move"):
+            list(freshet.transfer(*look, frames=2, stabilise=True))
 
     @covers("tour", "tour_moves", "Tour", "Tour.size", "Tour.fps", "Tour.notices", "Tour.__len__", "Tour.__next__",
             "Tour.__iter__", "TourFrame", "TourFrame.picture", "TourFrame.depth")

@@ -350,14 +350,7 @@ class TransferRun {
       composite_.emplace(std::move(*opened));
     fit(command_, design_, exemplar_);
     check(exemplar_, "checking the exemplar");
-    if (transfer::needs_motion(command_.options) && exemplar_.frames() == 1)
-      throw Error(ErrorKind::kUsage, command_.options.stabilised ? "--stabilise" : "--divergence",
-                  command_.exemplar + " is one picture, which does not move",
-                  "Leave it out, or give a video");
-    if (command_.options.curvature > 0 && exemplar_.opaque())
-      throw Error(ErrorKind::kUsage, "--curvature",
-                  command_.exemplar + " is opaque: it has no outline that bends",
-                  "Leave it out, or give the exemplar's mask with --exemplar-alpha");
+    transfer::check_guides(exemplar_, command_.options, command_.exemplar);
     progress_.finish();
     say_what_was_found(command_, design_, exemplar_);
   }

@@ -36,6 +36,11 @@ struct TransferOptions {
   int patch = 5;
   /// Weight of temporal coherence, 0 to 1.
   double lambda = 0.2;
+  /// Weights, 0 to 16, of what else patches are chosen by: how the outline bends (the look has one), and how the flow
+  /// spreads (the look is a video). 1 is strong; more speckles rims.
+  double curvature = 0, divergence = 0;
+  /// Whether the motion that a video has itself is taken out of its texture, so that the design alone moves it.
+  bool stabilise = false;
   /// Length of the blur along the motion, frames, 0 to 4.
   double motion_blur = 0;
   /// Another seed, another animation of the same kind.
@@ -49,7 +54,7 @@ struct TransferReport {
 
 /// Hands every frame to `sink`, in order: CV_32FC4 BGRA, 0..1, straight alpha, valid during the call.
 /// Throws  Error{kInput} naming the file: missing, unreadable, of another size than the first, without fluid;
-///         Error{kUsage} for an option out of range, Error{kCancelled}, and what the sink throws.
+///         Error{kUsage} for an option out of range, or one that asks for what the look lacks, Error{kCancelled}, and what the sink throws.
 ///         Same input and options, same bytes, for any number of threads.
 TransferReport transfer(const Design& design, const Look& look,
                         const std::function<void(const cv::Mat& bgra)>& sink,

@@ -159,6 +159,19 @@ void check_outline(const DesignFiles& design, const ExemplarFiles& exemplar,
         "Paint what is no fluid black, or give an opaque exemplar");
 }
 
+void check_guides(const ExemplarFiles& exemplar, const TransferOptions& options,
+                  const std::filesystem::path& path) {
+  if (needs_motion(options) && exemplar.frames() == 1)
+    throw Error(ErrorKind::kUsage, path.string(),
+                fmt::format("one picture does not move: it has no {}",
+                            options.stabilised ? "motion to stabilise" : "divergence"),
+                "Leave that option out, or give a video");
+  if (options.curvature > 0 && exemplar.opaque())
+    throw Error(ErrorKind::kUsage, path.string(),
+                "it is opaque, and has no outline whose curvature could count",
+                "Leave that option out, or give the exemplar's mask");
+}
+
 struct ExemplarFiles::Impl {
   ExemplarOptions options;
   Frames frames;

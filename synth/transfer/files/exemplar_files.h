@@ -84,5 +84,9 @@ class ExemplarFiles {
 /// fluid everywhere takes an opaque exemplar. Both have been checked.
 void check_outline(const DesignFiles& design, const ExemplarFiles& exemplar,
                    const std::filesystem::path& masks);
+/// Throws Error{kUsage} naming the exemplar where options ask for what it lacks: motion, or an outline that bends. It
+/// has been checked.
+void check_guides(const ExemplarFiles& exemplar, const TransferOptions& options,
+                  const std::filesystem::path& path);
 
 }  // namespace freshet::synth::transfer
