@@ -120,11 +120,16 @@ void Projects::stop_previews(const std::string& id) {
   jobs_.live().stop_key(layers_key(id));
 }
 
+void Projects::forget(const std::string& id) {
+  easels_.erase(id);
+  std::erase_if(kept_, [&](const auto& each) { return each.first == id; });
+}
+
 void Projects::remove(const std::string& id) {
   const fs::path folder = folder_of(id);
   stop_previews(id);
   const std::lock_guard lock(guard_);
-  easels_.erase(id);
+  forget(id);
   if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_directory(folder))
     throw Error(ErrorKind::kNotFound, id, "there is no such project");
   std::error_code fault;
@@ -141,8 +146,7 @@ std::string Projects::rename(const std::string& id, const std::string& name) {
     throw Error(ErrorKind::kNotFound, id, "there is no such project");
   if (fs::exists(fs::symlink_status(to)))
     throw Error(ErrorKind::kUsage, name, "another project has this name", "Choose another");
-  easels_.erase(id);
-  std::erase(recently_, id);
+  forget(id);
   std::error_code fault;
   fs::rename(from, to, fault);
   if (fault) throw Error(ErrorKind::kIo, to.string(), "the folder cannot be renamed");
@@ -195,23 +199,21 @@ std::string Projects::reduced(const std::string& id, int longest) {
 std::shared_ptr<Easel> Projects::easel(const std::string& project) {
   const std::lock_guard lock(guard_);
   const fs::path folder = folder_of(project);
-  std::erase(recently_, project);
-  recently_.push_back(project);
-  const auto found = easels_.find(project);
-  if (found != easels_.end()) return found->second;
-  if (!fs::exists(fs::symlink_status(folder))) {
-    std::erase(recently_, project);
-    throw Error(ErrorKind::kNotFound, project, "there is no such project");
+  const auto known = easels_.find(project);
+  std::shared_ptr<Easel> easel = known != easels_.end() ? known->second.lock() : nullptr;
+  if (!easel) {
+    if (!fs::exists(fs::symlink_status(folder)))
+      throw Error(ErrorKind::kNotFound, project, "there is no such project");
+    easel = std::make_shared<Easel>(
+        std::make_shared<Project>(folder),
+        [this](const std::string& type, const std::string& data) { jobs_.feed().publish(type, data); });
   }
-  auto opened = std::make_shared<Easel>(
-      std::make_shared<Project>(folder),
-      [this](const std::string& type, const std::string& data) { jobs_.feed().publish(type, data); });
-  while (recently_.size() > kMostEasels) {
-    easels_.erase(recently_.front());
-    recently_.erase(recently_.begin());
-  }
-  easels_[project] = opened;
-  return opened;
+  forget(project);
+  std::erase_if(easels_, [](const auto& each) { return each.second.expired(); });
+  easels_[project] = easel;
+  kept_.emplace_back(project, easel);
+  if (kept_.size() > kMostEasels) kept_.erase(kept_.begin());
+  return easel;
 }
 
 std::string Projects::to_json(const std::string& project) {
@@ -281,18 +283,24 @@ JobId Projects::update(const std::string& project) {
   });
 }
 
-void Projects::await_previews(const std::string& project, const Easel& easel, const Job& job) const {
+void Projects::await_previews(const std::string& project, const Easel& easel, const Job& job) {
+  Document now;
+  const auto has_matte = [&] {
+    now = easel.project().state().document;
+    const std::shared_ptr<const FoundMatte> matte = easel.matte();
+    return matte && matte->key == matte_key(now) && !matte->alpha.empty();
+  };
+  const auto has_pieces = [&] { return now.pins.empty() || easel.is_labelled(now); };
+  // One that has made room for others kept nothing of what was made.
+  if (!jobs_.previews().is_busy_with(project) && !(has_matte() && has_pieces())) update(project);
   // What was drawn last is made, not what was there before it: the matte and pinned pieces are made by previews.
   while (jobs_.previews().is_busy_with(project)) {
     if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, project, "stopped");
     if (job.progress) job.progress({"waiting for the preview", 0, 0});
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
-  const Document now = easel.project().state().document;
-  const std::shared_ptr<const FoundMatte> matte = easel.matte();
-  if (!matte || matte->key != matte_key(now) || matte->alpha.empty())
-    throw Error(ErrorKind::kUsage, project, "it has no matte", "Say what flows");
-  if (!now.pins.empty() && !easel.is_labelled(now))
+  if (!has_matte()) throw Error(ErrorKind::kUsage, project, "it has no matte", "Say what flows");
+  if (!has_pieces())
     throw Error(ErrorKind::kUsage, project, "its pieces were not chosen", "See what the preview says");
 }
 

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -63,11 +64,12 @@ class Projects {
   JobId show_layers(const std::string& project, int first);
   /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could
   /// not, and Error{kCancelled}.
-  void await_previews(const std::string& project, const Easel& easel, const Job& job) const;
+  void await_previews(const std::string& project, const Easel& easel, const Job& job);
 
  private:
   std::filesystem::path folder_of(const std::string& id) const;
   void stop_previews(const std::string& id);  // its takes and its layers too
+  void forget(const std::string& id);         // the guard is held
   std::string reduced(const std::string& id, int longest);
 
   StudioFolder& folder_;
@@ -75,8 +77,8 @@ class Projects {
   Stores& stores_;
   cache::ResultCache cache_;
   mutable std::mutex guard_;
-  std::map<std::string, std::shared_ptr<Easel>> easels_;  // by project; at most kMostEasels
-  std::vector<std::string> recently_;                     // projects of easels_, last used last
+  std::map<std::string, std::weak_ptr<Easel>> easels_;  // by project; a job may hold one that is not kept
+  std::vector<std::pair<std::string, std::shared_ptr<Easel>>> kept_;  // at most kMostEasels, last used last
 };
 
 }  // namespace freshet::studio

@@ -601,6 +601,26 @@ TEST_F(Server, WhatItExportsTheCommandLineMakesAgain) {
             std::string::npos);
 }
 
+TEST_F(Server, AProjectThatMakesRoomForOthersIsOpenedOnceAndExported) {
+  const std::string before = running().open_still("before.png"), id = running().open_still("worked.png"),
+                    others[] = {running().open_still("room.png"), running().open_still("more-room.png")};
+  const auto made = [&](const std::string& project) {
+    return running().json("api/projects/" + project + "/made");
+  };
+  Json long_one = drawing();
+  long_one["frames"] = 1500;
+  change(running(), before, long_one);
+  change(running(), id, drawing());  // it waits
+  for (const std::string& other : others) made(other);
+  made(id);
+  running().studio().jobs().previews().stop_key(before);
+  running().studio().jobs().wait();
+  EXPECT_EQ(made(id)["full"]["ready"], 12);
+  for (const std::string& other : others) made(other);
+  EXPECT_FALSE(tools::text_of(exported(running(), id, "late.mkv", Json::object()).folder / "exports/late.mkv")
+                   .empty());
+}
+
 TEST_F(Server, PaintedPaceIsTheCommandLinesToo) {
   const std::string id = running().open_still("paced.png");
   running().draw(id, drawing());
