@@ -29,6 +29,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <new>
 
 namespace {
 
@@ -259,24 +260,28 @@ time_t time(time_t* now) {
   return precise.tv_sec;
 }
 
-// The C library's own, under the names that it keeps for this.
-void* __libc_malloc(size_t);
-void* __libc_calloc(size_t, size_t);
-void* __libc_realloc(void*, size_t);
-void* __libc_memalign(size_t, size_t);
+#ifdef FRESHET_ADDRESS_SANITIZER  // whose memory all of it must be
+#define ALLOCATOR(name) __interceptor_##name
+#else  // the C library's own, under the names that it keeps for this
+#define ALLOCATOR(name) __libc_##name
+#endif
+void* ALLOCATOR(malloc)(size_t);
+void* ALLOCATOR(calloc)(size_t, size_t);
+void* ALLOCATOR(realloc)(void*, size_t);
+void* ALLOCATOR(memalign)(size_t, size_t);
 
-void* malloc(size_t bytes) { return allocation_fails() ? nullptr : __libc_malloc(bytes); }
+void* malloc(size_t bytes) { return allocation_fails() ? nullptr : ALLOCATOR(malloc)(bytes); }
 void* calloc(size_t count, size_t bytes) {
-  return allocation_fails() ? nullptr : __libc_calloc(count, bytes);
+  return allocation_fails() ? nullptr : ALLOCATOR(calloc)(count, bytes);
 }
-void* realloc(void* at, size_t bytes) { return allocation_fails() ? nullptr : __libc_realloc(at, bytes); }
+void* realloc(void* at, size_t bytes) { return allocation_fails() ? nullptr : ALLOCATOR(realloc)(at, bytes); }
 void* memalign(size_t alignment, size_t bytes) {
-  return allocation_fails() ? nullptr : __libc_memalign(alignment, bytes);
+  return allocation_fails() ? nullptr : ALLOCATOR(memalign)(alignment, bytes);
 }
 void* aligned_alloc(size_t alignment, size_t bytes) { return memalign(alignment, bytes); }
 int posix_memalign(void** at, size_t alignment, size_t bytes) {
   if (allocation_fails()) return ENOMEM;
-  *at = __libc_memalign(alignment, bytes);
+  *at = ALLOCATOR(memalign)(alignment, bytes);
   return *at == nullptr ? ENOMEM : 0;
 }
 
@@ -300,3 +305,16 @@ int __libc_start_main(int (*main)(int, char**, char**), int count, char** argume
 }
 
 }  // extern "C"
+
+#ifdef FRESHET_ADDRESS_SANITIZER  // whose operators ask no malloc
+void* operator new(size_t bytes) {
+  static auto* const go = real<void*(size_t)>("_Znwm");
+  if (allocation_fails()) throw std::bad_alloc();
+  return go(bytes);
+}
+void* operator new[](size_t bytes) {
+  static auto* const go = real<void*(size_t)>("_Znam");
+  if (allocation_fails()) throw std::bad_alloc();
+  return go(bytes);
+}
+#endif
