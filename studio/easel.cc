@@ -65,7 +65,7 @@ Json reel_json(const FrameReel& reel) {
 /// Whether the frame that was added last is news.
 bool is_told(const FrameReel& reel) {
   const int ready = reel.ready();
-  return ready == 1 || ready == reel.total || ready % 4 == 0;
+  return ready < 4 || ready == reel.total || ready % 4 == 0;
 }
 
 /// Velocities of a motion, px/s, as rows of u and v in tenths.

@@ -1,9 +1,10 @@
-// How long does who draws in the studio wait? In Chromium, over a real store: from opening to interactive, from the end
+// How long does who draws in the studio wait? In Chromium or Firefox, over a real store: from opening to interactive, from the end
 // of a line to the first preview that moves and to the full one, frames per second while one scrubs, and while one
-// draws and a label runs; how soon a scene's layers follow its wind, and how many of their frames are seen meanwhile.
+// draws and a label runs; how soon a scene's layers follow its wind, how many of their frames are seen meanwhile, and what
+// processor a frame takes: below 40 ms a core, 25 a second can be seen.
 // Prints a table with the machine's load, and JSON with --json FILE.
 // usage: FRESHET=... PAGE=... MODULES=... node bench/studio/browser_times.mjs STORE PICTURE MATTE CLASS [--times N]
-// [--json FILE]
+// [--browser chromium|firefox] [--json FILE]
 // (the environment as tests/studio/browser_test.sh sets it)
 import { spawn } from "node:child_process";
 import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -11,11 +12,12 @@ import { createRequire } from "node:module";
 import { cpus, loadavg, tmpdir } from "node:os";
 import { basename, join, resolve } from "node:path";
 
-const { FRESHET, PAGE, MODULES, CHROMIUM = "/usr/bin/chromium" } = process.env;
-const { chromium } = createRequire(join(MODULES, "x.js"))("playwright-core");
+const { FRESHET, PAGE, MODULES } = process.env;
+const { chromium, _bidiFirefox } = createRequire(join(MODULES, "x.js"))("playwright-core");
 const words = process.argv.slice(2);
 const option = (name, other) => (words.includes(name) ? words.splice(words.indexOf(name), 2)[1] : other);
 const times = Number(option("--times", 20));
+const browserName = option("--browser", "chromium");
 const jsonFile = option("--json");
 const [store, picture, matte, kind] = words;
 const kPatience = 300000; // ms; a busy machine is slow, and no fault of the studio's
@@ -23,7 +25,9 @@ const kPatience = 300000; // ms; a busy machine is slow, and no fault of the stu
 const folder = mkdtempSync(join(tmpdir(), "freshet_studio_bench_"));
 const server = spawn(FRESHET, ["studio", resolve(store), "--folder", folder, "--page", PAGE, "--no-browser"], { stdio: ["ignore", "pipe", "inherit"] });
 const url = await new Promise((done) => server.stdout.once("data", (data) => done(String(data).trim())));
-const browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
+const browser = await (browserName === "firefox"
+  ? _bidiFirefox.launch({ executablePath: "/usr/bin/firefox-esr" })
+  : chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox"] }));
 
 const sorted = (values) => [...values].sort((a, b) => a - b);
 const quantile = (values, share) => sorted(values)[Math.min(values.length - 1, Math.floor(share * values.length))];
@@ -59,7 +63,7 @@ function browserSeconds() {
 const api = async (rest, init) => (await fetch(`${url}api/${rest}`, init)).json();
 const { id } = await api(`projects?name=${basename(picture)}`, { method: "POST", body: readFileSync(picture) });
 await fetch(`${url}api/projects/${id}/matte`, { method: "POST", body: readFileSync(matte) });
-const { document, version } = await api(`projects/${id}`);
+const { document, version, width, height } = await api(`projects/${id}`);
 await api(`projects/${id}/document?base=${version}&page=bench`, { method: "PUT", body: JSON.stringify({ ...document, matte_base: "file", class: kind }) });
 
 const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
@@ -103,7 +107,7 @@ async function settle() {
 /** A line beside the ones before, so that no labelling is known already. Returns when it ended, ms of the page. */
 async function drawLine(i) {
   const view = await page.evaluate(() => JSON.parse(globalThis.document.querySelector(".canvas").dataset.view));
-  const at = (x, y) => [view.x + x * view.scale, view.y + y * view.scale];
+  const at = (x, y) => [view.x + (x / 640) * width * view.scale, view.y + (y / 480) * height * view.scale];
   const x = 200 + 9 * i;
   await page.mouse.move(...at(x, 150));
   await page.mouse.down();
@@ -185,6 +189,7 @@ async function drawingTimes() {
 
 /** Clouds, water and what is left, under a wind that is pulled to and fro for five seconds. */
 async function sceneTimes() {
+  await settle(); // a document that the page keeps meanwhile would not take the layers
   const { document: kept, version: base, width: w, height: h } = await api(`projects/${id}`);
   const usual = { matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "", clip: "" };
   const area = (top, bottom) => [{ points: [[0, top], [w, top], [w, bottom], [0, bottom]], width: 0, adds: true, area: true }];
@@ -214,6 +219,7 @@ async function sceneTimes() {
       return draw.call(this, image, ...rest);
     };
   });
+  const [serverBefore, browserBefore] = [serverSeconds(), browserSeconds()];
   const started = performance.now();
   const reels = new Set([await reel()]); // a film that goes on as it was follows nothing
   for (let i = 0; performance.now() - started < 5000; ++i) {
@@ -222,7 +228,8 @@ async function sceneTimes() {
   }
   const seen = await page.evaluate(() => globalThis.seenFrames.size);
   const seconds = (performance.now() - started) / 1000;
-  return { follow, seen: seen / seconds, newer: (reels.size - 1) / seconds };
+  const [server, page0] = [serverSeconds() - serverBefore, browserSeconds() - browserBefore];
+  return { follow, seen: seen / seconds, newer: (reels.size - 1) / seconds, server: (1000 * server) / seen, browser: (1000 * page0) / seen };
 }
 
 async function measure() {
@@ -246,6 +253,7 @@ const load = loadavg();
 const { opening, strokes, scrub, drawing, scene } = await measure().finally(end);
 const rate = (gaps) => 1000 / (gaps.reduce((sum, gap) => sum + gap, 0) / gaps.length);
 const result = {
+  browser: browserName,
   processor: cpus()[0].model,
   cores: cpus().length,
   load: { before: load[0], after: loadavg()[0] },
@@ -265,9 +273,11 @@ const result = {
   scene_ms: median(scene.follow),
   scene_per_s: scene.seen,
   scene_newer_per_s: scene.newer,
+  scene_server_cpu_ms: scene.server,
+  scene_browser_cpu_ms: scene.browser,
 };
 const row = (what, found, asked) => console.log(`${what.padEnd(44)} ${found.padStart(10)}   ${asked}`);
-console.log(`${result.cores} x ${result.processor}, load ${load[0].toFixed(1)} to ${result.load.after.toFixed(1)}; ${times} lines over ${result.picture}`);
+console.log(`${browserName}, ${result.cores} x ${result.processor}, load ${load[0].toFixed(1)} to ${result.load.after.toFixed(1)}; ${times} lines over ${result.picture}`);
 row("opening to interactive", `${result.opening_ms.toFixed(0)} ms`, "1000 ms");
 row("line to first preview that moves, median", `${result.first_ms.toFixed(0)} ms`, "1000 ms");
 row("line to full preview, median", `${result.full_ms.toFixed(0)} ms`, "4000 ms");
@@ -280,4 +290,6 @@ row("drawing while a label runs", `${result.drawing_per_s.toFixed(0)}/s`, "60/s"
 row("a wind to the layers that it moves, median", `${result.scene_ms.toFixed(0)} ms`, "");
 row("their frames seen while it is pulled", `${result.scene_per_s.toFixed(0)}/s`, "25/s");
 row("newer layers meanwhile", `${result.scene_newer_per_s.toFixed(1)}/s`, "");
+row("CPU of the server for a frame that is seen", `${result.scene_server_cpu_ms.toFixed(0)} ms`, "");
+row("of the browser", `${result.scene_browser_cpu_ms.toFixed(0)} ms`, "");
 if (jsonFile) writeFileSync(jsonFile, `${JSON.stringify(result, null, 2)}\n`);

@@ -1,7 +1,7 @@
 // The scene's layers while they are drawn: a small film that follows each change, and goes on where the last one was.
 import { effect, signal } from "@preact/signals";
 import { showLayers } from "./api";
-import { Player } from "./player";
+import { kFurthestLead, Player } from "./player";
 import type { ReelNews } from "./types";
 
 export interface LayersNews {
@@ -10,7 +10,9 @@ export interface LayersNews {
 }
 
 export const liveLayers = new Player();
-const kLead = 6; // frames that are played until newer layers come
+const kSpare = 1; // frames by which newer layers may come later than the last ones did
+let lead = 6; // frames that play until newer layers come
+let askedAt = 0; // ms
 export const layersProblem = signal("");
 let asked = ""; // the project, until what was asked for it plays: a newer wish waits, or none would ever be seen
 let newest = 0; // reel that was heard of
@@ -21,8 +23,9 @@ export async function renewLayers(project: string): Promise<void> {
   wished = asked !== "";
   if (asked) return;
   asked = project;
+  askedAt = performance.now();
   try {
-    await showLayers(project, liveLayers.frame.value + (liveLayers.reel.value ? kLead : 0));
+    await showLayers(project, liveLayers.frame.value + (liveLayers.reel.value && liveLayers.playing.value ? lead : 0));
   } catch (fault) {
     asked = "";
     layersProblem.value = (fault as Error).message;
@@ -52,12 +55,23 @@ function answered(): void {
   if (project && wished) void renewLayers(project);
 }
 
-// While a slider is pulled, each reel plays before a newer one takes its place.
-let played = 0;
+// While a slider is pulled, each reel plays before a newer one takes its place, which is asked for as soon as enough
+// frames are here to play until it comes.
+let played = 0; // reel
+let settled = 0; // reel that answered what was asked
 effect(() => {
-  const number = liveLayers.reel.value?.news.number ?? 0;
-  if (number <= played || number < newest) return;
-  played = number;
+  const reel = liveLayers.reel.value;
+  const loaded = liveLayers.loaded.value;
+  const number = reel?.news.number ?? 0;
+  if (!reel || number < newest) return;
+  if (number > played) {
+    const took = Math.ceil(((reel.enough - askedAt) * reel.news.fps) / 1000) + kSpare;
+    // The first one cut its layers, which takes long once.
+    if (asked && played > 0) lead = Math.min(kFurthestLead, Math.max(took, Math.ceil((lead + took) / 2)));
+    played = number;
+  }
+  if (number === settled || (liveLayers.playing.value && loaded < Math.min(reel.news.total, lead + 1))) return;
+  settled = number;
   queueMicrotask(answered); // which reads what plays
 });
 

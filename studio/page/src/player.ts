@@ -1,5 +1,5 @@
 // The animation's frames: fetched as they are made, and played.
-import { effect, signal } from "@preact/signals";
+import { batch, effect, signal } from "@preact/signals";
 import { address } from "./api";
 import type { ReelNews } from "./types";
 
@@ -7,12 +7,15 @@ const kAtOnce = 4; // requests
 const kPatience = 1000; // ms until a frame that did not come is asked for again
 const kBetweenTold = 120; // ms
 const kEnough = 6; // frames with which a first preview begins
-const kEnoughLayers = 3; // the same for layers
+const kEnoughLayers = 2; // the same for layers
+export const kFurthestLead = 25; // frames that layers may begin ahead of what plays
+const kLate = 12; // frames of layers that begin behind it: with as many they take over all the same
 
 export interface Reel {
   news: ReelNews;
   frames: (ImageBitmap | undefined)[];
   loaded: number; // frames without a gap
+  enough: number; // ms, when as many were loaded as it begins with; 0: not yet
 }
 
 export class Player {
@@ -21,6 +24,7 @@ export class Player {
   readonly playing = signal(true);
   readonly loop = signal(true);
   readonly frame = signal(0);
+  readonly loaded = signal(0); // frames without a gap, of the reel that plays
   readonly told = signal(0); // the frame, as numbers and sliders tell it: while it plays, a few times a second
   readonly rate = signal(1);
   private project = "";
@@ -60,7 +64,7 @@ export class Player {
     if (!coming || coming.news.number !== news.number) {
       if (coming && coming.news.number > news.number) return;
       if (coming && coming !== this.reel.value) this.free(coming);
-      this.coming.value = { news, frames: new Array<ImageBitmap | undefined>(news.total), loaded: 0 };
+      this.coming.value = { news, frames: new Array<ImageBitmap | undefined>(news.total), loaded: 0, enough: 0 };
       this.next = 0;
     } else {
       coming.news = news;
@@ -111,20 +115,43 @@ export class Player {
     return (reel.news.first + place) % reel.news.total;
   }
 
-  /** A first look begins at once, and so do layers; what is better takes over when it is whole. */
-  private consider(reel: Reel): void {
+  /**
+   * A first look begins at once, layers in step with those that play, what is better when it is whole.
+   * steps   whether the next frame is due.
+   */
+  private consider(reel: Reel, steps = false): void {
+    const shown = this.reel.value;
+    if (reel === shown) this.loaded.value = reel.loaded;
     if (this.coming.value !== reel) return;
-    const whole = reel.loaded === reel.news.total;
-    const begins = reel.news.stage !== "full" || !this.reel.value;
-    const enough = reel.news.stage === "layers" ? kEnoughLayers : kEnough;
-    if (this.reel.value !== reel && (whole || (begins && reel.loaded >= Math.min(enough, reel.news.total)))) {
-      this.free(this.reel.value);
-      this.reel.value = reel;
-      // Layers go on from what is seen, or where they begin: they are asked for a little ahead.
-      const place = this.place(reel);
-      if (place >= reel.loaded) this.frame.value = this.frameAt(reel, reel.news.stage === "layers" ? 0 : reel.loaded - 1);
+    const { stage, total } = reel.news;
+    const whole = reel.loaded === total;
+    if (reel !== shown) {
+      const enough = Math.min(stage === "layers" ? kEnoughLayers : kEnough, total);
+      if (!whole && (reel.loaded < enough || (stage === "full" && shown))) return;
+      reel.enough ||= performance.now();
+      if (stage === "layers" && shown && this.playing.value && !(steps && this.follows(reel, shown))) return;
+      this.take(reel);
     }
     if (whole) this.coming.value = null;
+  }
+
+  /** Whether the frame that is due is the reel's, or the last reel has none. */
+  private follows(reel: Reel, shown: Reel): boolean {
+    const { total } = reel.news;
+    const next = this.place(reel, this.frame.value + 1);
+    if (next < reel.loaded) return true;
+    const dry = this.place(shown) >= shown.loaded - 1 && shown.loaded < shown.news.total;
+    return total - next <= kFurthestLead ? dry : reel.loaded >= kLate;
+  }
+
+  private take(reel: Reel): void {
+    this.free(this.reel.value);
+    batch(() => {
+      this.reel.value = reel;
+      this.loaded.value = reel.loaded;
+      // Layers begin with their first frame: the one before it was the last ones'.
+      if (this.place(reel) >= reel.loaded) this.frame.value = this.frameAt(reel, reel.news.stage === "layers" ? 0 : reel.loaded - 1);
+    });
   }
 
   private free(reel: Reel | null): void {
@@ -146,10 +173,15 @@ export class Player {
     const step = 1000 / (reel.news.fps * this.rate.value);
     if (now - this.time < step) return;
     this.time = now - this.time > 4 * step ? now : this.time + step;
-    const place = this.place(reel);
-    if (place < reel.loaded - 1) this.frame.value = this.frameAt(reel, place + 1);
-    else if (reel.loaded < reel.news.total) return; // it is still being made
-    else if (this.loop.value) this.frame.value = this.frameAt(reel, 0);
+    const frame = this.frame.value;
+    const coming = this.coming.value;
+    if (coming && coming !== reel) this.consider(coming, true);
+    if (this.frame.value !== frame) return; // others have taken over
+    const shown = this.reel.value ?? reel;
+    const place = this.place(shown);
+    if (place < shown.loaded - 1) this.frame.value = this.frameAt(shown, place + 1);
+    else if (shown.loaded < shown.news.total) return; // it is still being made
+    else if (this.loop.value) this.frame.value = this.frameAt(shown, 0);
     else this.playing.value = false;
   }
 
