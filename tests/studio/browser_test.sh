@@ -1,8 +1,8 @@
 #!/bin/sh
 # A real browser goes through the studio: builds the page, and runs browser_test.mjs with Debian's Chromium, and what
-# measures its times, small; or in Debian's Firefox some of it.
+# measures its times, small; or in Debian's Firefox some of it (FRESHET_BROWSERS).
 # usage: tests/studio/browser_test.sh FRESHET PAGE_SCRATCH PAGE [firefox NAMES]
-# NAMES   of tests, a regular expression
+# NAMES   of tests, a regular expression; those that are left out by FRESHET_BROWSERS stay out
 # Ends with 77, and says so, where there is no browser or node, or the npm registry cannot be reached.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
