@@ -1,7 +1,7 @@
-// How long does who draws in the studio wait? In Chromium or Firefox, over a real store: from opening to interactive, from the end
-// of a line to the first preview that moves and to the full one, frames per second while one scrubs, and while one
-// draws and a label runs; how soon a scene's layers follow its wind, how many of their frames are seen meanwhile, and what
-// processor a frame takes: below 40 ms a core, 25 a second can be seen.
+// How long does who draws in the studio wait? In Chromium or Firefox, over a real store: from opening to interactive,
+// from the end of a line to the first preview that moves and to the full one, frames per second while one scrubs, and
+// while one draws and a label runs; how soon a scene's layers follow its wind, how many of their frames are seen
+// meanwhile, and what processor a frame takes: below 40 ms a core, 25 a second can be seen.
 // Prints a table with the machine's load, and JSON with --json FILE.
 // usage: FRESHET=... PAGE=... MODULES=... node bench/studio/browser_times.mjs STORE PICTURE MATTE CLASS [--times N]
 // [--browser chromium|firefox] [--json FILE]

@@ -178,7 +178,7 @@ async function shown(page) {
   });
 }
 
-/** Goes where only what is behind # differs: for Firefox's protocol nothing is loaded then, which its goto waits for. */
+/** Goes where only what is behind # differs. Firefox's protocol never tells of a load there, for which goto waits. */
 async function goWithin(page, address) {
   if (BROWSER === "chromium") return page.goto(address);
   await page.evaluate((there) => globalThis.location.assign(there), address);
