@@ -1348,6 +1348,7 @@ for (const [theme, size, width, height] of [
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await goWithin(page, `${url}#/still`);
     await page.locator(".bar").waitFor();
+    await settled(page); // what can be used no longer changes
     if (size === "narrow") await page.locator(".modes[data-more~=after]").waitFor(); // there are more beyond the edge
     // Without the pointer: a mode by its button, from where Tab comes to.
     await page.getByRole("button", { name: "Look", exact: true }).focus();
