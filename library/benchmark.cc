@@ -161,12 +161,9 @@ SearchProblem search_problem(const Store& store, int k, std::span<const Benchmar
   const int words = base.codebook.words;
   const query::BenchmarkPieces asked =
       query::benchmark_pieces(snapshot, base, asked_pictures(pictures), options.pieces, options.rows);
-  std::vector<vision::WordMap> maps;
+  const vision::OwnWordMaps maps = vision::rows_of(base.table.words, asked.rows);
   std::vector<query::PieceQuery> patches;
-  for (const stored::Row row : asked.rows) {
-    maps.push_back(base.table.words[row]);
-    patches.push_back(query::whole_query(maps.back()));
-  }
+  for (std::size_t i = 0; i < maps.size(); ++i) patches.push_back(query::whole_query(maps[i]));
   const auto exact = query::ExactIndex(maps, words).search(asked.queries, static_cast<std::size_t>(k));
   SearchProblem problem{.patches = histograms(patches, words),
                         .questions = histograms(asked.queries, words),

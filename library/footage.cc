@@ -186,7 +186,13 @@ cv::Mat Footage::column(const std::string& name) const {
   look(stored::kPatchY, 1, CV_16U);
   look(stored::kPatchMotion, 2, CV_32F);
   look(stored::kPatchCoverage, 1, CV_32F);
-  look(stored::kPatchWords, vision::kGridSide * vision::kGridSide, CV_8U);
+  if (name == stored::kPatchWords.name) {
+    const int word_bytes = vision::word_bytes(impl_->settings.codebook.words);
+    vision::OwnWordMaps words = stored::kPatchWords.read(snapshot, impl_->id, word_bytes);
+    found = cv::Mat(static_cast<int>(words.size()), vision::kGridSide * vision::kGridSide,
+                    word_bytes == 1 ? CV_8U : CV_16U, words.bytes().data())
+                .clone();
+  }
   if (!found)
     throw Error(ErrorKind::kNotFound, clip().name, "it has no column \"" + name + "\"",
                 "Footage::columns lists them");

@@ -16,18 +16,23 @@ namespace {
 
 using Answers = std::vector<std::vector<query::ScoredPatch>>;
 
-void check_rows(const cv::Mat& given, std::size_t columns, const char* what) {
-  if (given.dims != 2 || given.type() != CV_8U || given.cols != static_cast<int>(columns))
-    throw Error(ErrorKind::kUsage, what, "CV_8U with " + std::to_string(columns) + " columns is expected");
+void check_rows(const cv::Mat& given, int other_type, std::size_t columns, const char* what) {
+  if (given.dims != 2 || (given.type() != CV_8U && given.type() != other_type) ||
+      given.cols != static_cast<int>(columns))
+    throw Error(ErrorKind::kUsage, what,
+                (other_type == CV_16U ? "CV_8U or CV_16U with " : "CV_8U with ") + std::to_string(columns) +
+                    " columns is expected");
 }
 
 std::vector<query::PieceQuery> queries_of(const cv::Mat& words) {
   constexpr std::size_t kPoints = vision::kGridSide * vision::kGridSide;
-  check_rows(words, kPoints, "visual words");
+  check_rows(words, CV_16U, kPoints, "visual words");
+  cv::Mat wide;
+  words.convertTo(wide, CV_16U);
   std::vector<query::PieceQuery> queries;
-  for (int i = 0; i < words.rows; ++i) {
+  for (int i = 0; i < wide.rows; ++i) {
     vision::WordMap map;
-    std::copy_n(words.ptr(i), kPoints, map.begin());
+    std::copy_n(wide.ptr<vision::Word>(i), kPoints, map.begin());
     queries.push_back(query::whole_query(map));
   }
   return queries;
@@ -65,7 +70,7 @@ PatchTable nearest_by_histograms(const Store& store, const cv::Mat& histograms, 
   const OneOpenCvThread one;
   const auto base = store.impl().search_base();
   const std::size_t bins = query::histogram_bins(base->codebook.words);
-  check_rows(histograms, bins, "histograms");
+  check_rows(histograms, CV_8U, bins, "histograms");
   const auto questions = static_cast<std::size_t>(histograms.rows);
   std::vector<int> max_scores(questions);
   for (std::size_t i = 0; i < questions; ++i) {
@@ -74,11 +79,11 @@ PatchTable nearest_by_histograms(const Store& store, const cv::Mat& histograms, 
   }
   Answers best(questions);
   constexpr std::size_t kBlock = 4096;  // patches, 17 MB of histograms
-  const std::vector<vision::WordMap>& words = base->table.words;
+  const vision::WordMaps words = base->table.words;
   for (std::size_t first = 0; first < words.size(); first += kBlock) {
     const std::size_t count = std::min(kBlock, words.size() - first);
     const std::vector<unsigned char> block =
-        query::dense_histograms(std::span(words).subspan(first, count), base->codebook.words);
+        query::dense_histograms(words.subspan(first, count), base->codebook.words);
     oneapi::tbb::parallel_for(std::size_t{0}, questions, [&](std::size_t i) {
       for (std::size_t row = 0; row < count; ++row)
         best[i].push_back(

@@ -298,6 +298,11 @@ std::uint64_t Snapshot::column_rows(ClipId id, std::string_view name) const {
   return file.chunks(Table::kColumns, column_prefix(own, name), account).total_bytes / account.element_bytes;
 }
 
+std::uint32_t Snapshot::column_element(ClipId id, std::string_view name) const {
+  const auto [file, own] = place(id);
+  return file.column(own, name).element_bytes;
+}
+
 void Snapshot::column_into(ClipId id, std::string_view name, std::uint32_t element_size,
                            std::span<std::byte> (*resize)(void*, std::size_t), void* context) const {
   const auto [file, own] = place(id);

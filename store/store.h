@@ -161,6 +161,8 @@ class Snapshot {
   bool has_column(ClipId id, std::string_view name) const;
   /// Rows of a column, by the records that are there and not by the clip's word. Throws as column(); reads no payload.
   std::uint64_t column_rows(ClipId id, std::string_view name) const;
+  /// Bytes of a row of a column. Throws as column(); reads nothing more.
+  std::uint32_t column_element(ClipId id, std::string_view name) const;
   /// Has the system fetch a column that is about to be read, and waits for nothing; of one that is not there nothing.
   /// Where a page is missed instead, it reads on for megabytes: of five million patches all 7 GB, for half a gigabyte.
   void prefetch_column(ClipId id, std::string_view name) const;

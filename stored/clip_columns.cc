@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 
+#include "freshet/error.h"
 #include "stored/clip_schema.h"
 
 namespace freshet::stored {
@@ -24,6 +25,17 @@ void write_unless_empty(store::ClipWriter& writer, const Column<T>& column, cons
 }
 
 }  // namespace
+
+vision::OwnWordMaps WordColumn::read(const store::Snapshot& snapshot, store::ClipId clip,
+                                     int word_bytes) const {
+  const std::size_t row_bytes = vision::word_map_bytes(word_bytes);
+  if (const std::uint32_t found = snapshot.column_element(clip, name); found != row_bytes)
+    throw Error(ErrorKind::kDamaged, snapshot.clip(clip).name,
+                std::string("column ") + name + " has rows of " + std::to_string(found) + " bytes, " +
+                    std::to_string(row_bytes) + " expected for the number of words in the store's settings",
+                "Build the index again: freshet index --rebuild");
+  return {word_bytes, snapshot.records<std::byte>(clip, name, row_bytes)};
+}
 
 void PatchColumns::keep_first(std::size_t rows) {
   variant.resize(rows);
@@ -67,7 +79,8 @@ void write_columns(store::ClipWriter& writer, const ClipColumns& columns) {
   write_unless_empty(writer, kPatchY, columns.patches.y);
   write_unless_empty(writer, kPatchMotion, columns.patches.motion);
   write_unless_empty(writer, kPatchCoverage, columns.patches.coverage);
-  write_unless_empty(writer, kPatchWords, columns.patches.words);
+  if (const vision::OwnWordMaps& words = columns.patches.words; !words.empty())
+    writer.column_bytes(kPatchWords.name, words.bytes(), static_cast<std::uint32_t>(words.row_bytes()));
 }
 
 }  // namespace freshet::stored

@@ -22,7 +22,7 @@ struct PatchColumns {
   std::vector<std::uint16_t> x, y;           // px, top-left corner in the variant's frame
   std::vector<std::array<float, 2>> motion;  // px/s, mean u, v in the variant's frame
   std::vector<float> coverage;               // 0..1, fraction of pixels that move
-  std::vector<vision::WordMap> words;        // empty: the store has no index yet
+  vision::OwnWordMaps words;                 // empty: the store has no index yet
   std::size_t size() const { return variant.size(); }
   void keep_first(std::size_t rows);
 };

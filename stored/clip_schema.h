@@ -42,9 +42,23 @@ inline constexpr Column<std::uint8_t> kPatchVariant{"patch.variant"};  // index 
 inline constexpr Column<std::uint16_t> kPatchX{"patch.x"};  // px, top left corner, in the variant's frame
 inline constexpr Column<std::uint16_t> kPatchY{"patch.y"};
 inline constexpr Column<std::array<float, 2>> kPatchMotion{
-    "patch.motion"};                                                  // px/s, mean u and v, in its frame
-inline constexpr Column<float> kPatchCoverage{"patch.coverage"};      // 0..1, fraction of pixels that move
-inline constexpr Column<vision::WordMap> kPatchWords{"patch.words"};  // of the index
+    "patch.motion"};                                              // px/s, mean u and v, in its frame
+inline constexpr Column<float> kPatchCoverage{"patch.coverage"};  // 0..1, fraction of pixels that move
+
+/// The column of visual words, of the index: word maps as wide as the settings' number of words asks for.
+struct WordColumn {
+  const char* name;
+
+  bool is_in(const store::Snapshot& snapshot, store::ClipId clip) const {
+    return snapshot.has_column(clip, name);
+  }
+  /// Throws as store::Snapshot::column, and Error{kDamaged} where words are not of so many bytes.
+  vision::OwnWordMaps read(const store::Snapshot& snapshot, store::ClipId clip, int word_bytes) const;
+  store::Store::Column column(store::ClipId clip, vision::WordMaps rows) const {
+    return {clip, name, rows.bytes(), static_cast<std::uint32_t>(rows.row_bytes())};
+  }
+};
+inline constexpr WordColumn kPatchWords{"patch.words"};
 
 // A row of floats per cell, row by row; the metadata hold the shapes (clip_metadata.h).
 inline constexpr const char* kMotionCells = "cells.motion";      // vision/temporal_spectrum.h

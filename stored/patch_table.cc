@@ -52,7 +52,10 @@ void read_clip(const store::Snapshot& snapshot, const vision::Settings& settings
   put(table.variant, first, patches.variant);
   put(table.x, first, patches.x);
   put(table.y, first, patches.y);
-  put(table.words, first, rows_of(snapshot, clip, kPatchWords));
+  check_rows(snapshot, clip, kPatchWords.name);
+  const vision::OwnWordMaps words =
+      kPatchWords.read(snapshot, clip, vision::word_bytes(settings.codebook.words));
+  table.words.set(first, words);
   put(table.coverage, first, rows_of(snapshot, clip, kPatchCoverage));
   const auto motion = rows_of(snapshot, clip, kPatchMotion);
   for (std::size_t i = 0; i < motion.size(); ++i) {
@@ -94,6 +97,7 @@ PatchTable read_patch_table(const store::Snapshot& snapshot) {
   const vision::Settings settings = settings_of(snapshot);
   const std::vector<vision::Variant> variants = settings.variants();
   PatchTable table;
+  table.words = vision::OwnWordMaps(vision::word_bytes(settings.codebook.words));
   table.first_row.push_back(0);
   std::uint64_t rows = 0;
   for (const store::ClipId clip : snapshot.clips()) rows += snapshot.clip(clip).rows;

@@ -25,14 +25,14 @@ struct PatchTable {
   std::vector<std::uint16_t> x, y;    // px, top-left corner in the variant's frame
   std::vector<float> mean_u, mean_v;  // px/s, x right, y down, in the variant's frame
   std::vector<float> coverage;        // 0..1, fraction of pixels that move
-  std::vector<vision::WordMap> words;
+  vision::OwnWordMaps words;
   std::size_t size() const { return clip.size(); }
 };
 
-/// Reads all patch columns: 110 bytes per patch.
+/// Reads all patch columns: 110 bytes per patch, 191 with more than 256 words.
 /// Throws   Error{kNotFound} "has no index; run freshet index" when words are missing, and when there is no
 ///          patch at all; Error{kDamaged} when a column is not as long as its clip has rows, a variant is not
-///          in the settings or a patch reaches beyond its frame.
+///          in the settings, words are not as wide as the settings ask or a patch reaches beyond its frame.
 PatchTable read_patch_table(const store::Snapshot& snapshot);
 
 /// Where one clip's patches lie: what is known of them before there is an index.

@@ -55,8 +55,8 @@ std::optional<StoredCodebook> find_codebook(const store::Snapshot& snapshot) {
   if (header.magic != Header{}.magic || header.descriptor_size != vision::kDescriptorSize) {
     fail("not a codebook of this version");
   }
-  if (header.words < 1 || header.words > 256)
-    fail(std::to_string(header.words) + " words, 1 to 256 expected");
+  if (header.words < 1 || header.words > vision::kMaxWords)
+    fail(std::to_string(header.words) + " words, 1 to " + std::to_string(vision::kMaxWords) + " expected");
   StoredCodebook stored;
   stored.codebook.words = static_cast<int>(header.words);
   stored.codebook.centres.resize(std::size_t{header.words} * vision::kDescriptorSize);

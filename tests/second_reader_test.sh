@@ -37,6 +37,29 @@ same_digest s.store
 "$python" "$reader" info s.store > info
 grep -q '"patch.words"' info
 
+# More words than a byte can number: two bytes each, through all that is done with a store.
+bytes_of() { "$python" "$reader" column "$1" a.mkv "$2" | wc -c; }
+ffmpeg -v error -i river.mkv -frames:v 1 still.png
+"$freshet" ingest w.store --force --words 500 a.mkv > log 2>&1
+"$freshet" ingest x.store --force --words 500 --no-index b.mkv > log 2>&1
+[ "$(bytes_of w.store patch.words)" = $((81 * $(bytes_of w.store patch.x))) ] # two bytes a patch, as words have
+"$freshet" store merge w.store x.store -o m.store > log 2>&1
+"$freshet" index m.store > log 2>&1
+same_digest m.store
+digest=$("$freshet" store digest m.store)
+candidates() { "$freshet" query candidates "$1" still.png --frames 10 --json 2> log | sed 's/"seconds".*//'; }
+candidates m.store > before
+"$freshet" store verify m.store > log 2>&1
+"$freshet" store compact m.store > log 2>&1
+"$freshet" store repair m.store -o r.store > log 2>&1
+"$freshet" index r.store --rebuild > log 2>&1
+for store in m.store r.store; do
+  [ "$("$freshet" store digest $store)" = "$digest" ] || { echo "$store is another than it was"; exit 1; }
+  candidates $store > after
+  cmp before after
+done
+same_digest r.store
+
 # Damage: the engine's digest, or none.
 whole=$("$freshet" store digest s.store)
 "$python" - s.store << 'END' > places

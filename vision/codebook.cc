@@ -16,7 +16,6 @@ namespace freshet::vision {
 namespace {
 
 constexpr int kBlock = 256;      // descriptors of one product; fixed, so that threads change nothing
-constexpr int kMaxWords = 256;   // a word is one byte
 constexpr int kFinalRounds = 3;  // of k-means over all words, after the bisections
 // Columns counted at run time: with 128 fixed ones g++ 12 sees a loop of Eigen's run out of bounds and warns.
 using Block = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -196,7 +195,7 @@ struct Centred {
 };
 
 // |x - w|^2 / 2 less |x|^2 / 2, for a block of descriptors at once; the smallest index wins ties.
-void assign_block(const Centred& centred, const Descriptor* values, int count, std::uint8_t* assigned) {
+void assign_block(const Centred& centred, const Descriptor* values, int count, Word* assigned) {
   thread_local Block block = whole_block();
   thread_local Eigen::MatrixXf room(kBlock, kMaxWords);
   load(values, count, centred.centre, block);
@@ -214,11 +213,10 @@ void assign_block(const Centred& centred, const Descriptor* values, int count, s
       best[i] = distance < best[i] ? distance : best[i];
     }
   }
-  for (int i = 0; i < count; ++i) assigned[i] = static_cast<std::uint8_t>(word[i]);
+  for (int i = 0; i < count; ++i) assigned[i] = static_cast<Word>(word[i]);
 }
 
-void assign_all(const Centred& centred, std::span<const Descriptor> descriptors,
-                std::span<std::uint8_t> words) {
+void assign_all(const Centred& centred, std::span<const Descriptor> descriptors, std::span<Word> words) {
   oneapi::tbb::parallel_for(0, blocks_of(descriptors.size()), [&](int b) {
     const std::size_t first = static_cast<std::size_t>(b) * kBlock;
     assign_block(centred, descriptors.data() + first, block_size(descriptors.size(), b),
@@ -227,8 +225,7 @@ void assign_all(const Centred& centred, std::span<const Descriptor> descriptors,
 }
 
 // One round of k-means: words move to the mean of what is nearest; a word that nothing is nearest to stays.
-void k_means_round(std::span<const Descriptor> samples, Codebook& codebook,
-                   std::vector<std::uint8_t>& words) {
+void k_means_round(std::span<const Descriptor> samples, Codebook& codebook, std::vector<Word>& words) {
   assign_all(Centred(codebook.centres, codebook.words), samples, words);
   std::vector<std::vector<std::int64_t>> sums(codebook.words, std::vector<std::int64_t>(kDescriptorSize));
   std::vector<std::int64_t> counts(codebook.words);
@@ -249,7 +246,8 @@ void k_means_round(std::span<const Descriptor> samples, Codebook& codebook,
 
 Codebook train_codebook(std::span<const Descriptor> samples, const CodebookOptions& options) {
   if (options.words < 1 || options.words > kMaxWords || options.iterations < 0) {
-    throw Error(ErrorKind::kUsage, "codebook", std::to_string(options.words) + " words; 1 to 256 expected");
+    throw Error(ErrorKind::kUsage, "codebook",
+                std::to_string(options.words) + " words; 1 to " + std::to_string(kMaxWords) + " expected");
   }
   if (samples.empty()) throw Error(ErrorKind::kInput, "codebook", "no descriptors to learn words from");
 
@@ -275,13 +273,12 @@ Codebook train_codebook(std::span<const Descriptor> samples, const CodebookOptio
     const Exact mean = cluster.moments.mean();
     for (int d = 0; d < kDescriptorSize; ++d) codebook.centres.push_back(static_cast<float>(mean[d]));
   }
-  std::vector<std::uint8_t> words(samples.size());
+  std::vector<Word> words(samples.size());
   for (int round = 0; round < kFinalRounds; ++round) k_means_round(samples, codebook, words);
   return codebook;
 }
 
-void assign_words(const Codebook& codebook, std::span<const Descriptor> descriptors,
-                  std::span<std::uint8_t> words) {
+void assign_words(const Codebook& codebook, std::span<const Descriptor> descriptors, std::span<Word> words) {
   if (codebook.words < 1 || codebook.words > kMaxWords ||
       codebook.centres.size() != static_cast<std::size_t>(codebook.words) * kDescriptorSize) {
     throw Error(ErrorKind::kDamaged, "codebook",

@@ -9,8 +9,12 @@
 
 namespace freshet::vision {
 
+/// The number of a visual word, below kMaxWords.
+using Word = std::uint16_t;
+inline constexpr int kMaxWords = 1024;  // of a codebook
+
 struct CodebookOptions {
-  int words = 200;      // at most 256; Okabe et al. 2011 tried 100, 200, 300, 500 and kept 200
+  int words = 200;      // at most kMaxWords; Okabe et al. 2011 tried 100, 200, 300, 500 and kept 200
   int iterations = 10;  // of 2-means inside a bisection
   std::uint64_t seed = 1;
 };
@@ -28,7 +32,6 @@ struct Codebook {
 Codebook train_codebook(std::span<const Descriptor> samples, const CodebookOptions& options = {});
 
 /// Nearest word (smallest index on ties) of each descriptor. All threads; same for any number.
-void assign_words(const Codebook& codebook, std::span<const Descriptor> descriptors,
-                  std::span<std::uint8_t> words);
+void assign_words(const Codebook& codebook, std::span<const Descriptor> descriptors, std::span<Word> words);
 
 }  // namespace freshet::vision

@@ -154,7 +154,7 @@ Settings settings_from_json(const std::string& text) {
   spectrum.finish();
 
   Fields codebook(all.take("codebook"), "settings.codebook");
-  s.codebook.words = codebook.integer("words", 1, 256);
+  s.codebook.words = codebook.integer("words", 1, kMaxWords);
   s.codebook.iterations = codebook.integer("iterations", 0, 1000);
   const json& seed = codebook.take("seed");
   if (!seed.is_number_unsigned()) damaged("settings.codebook.seed is not a whole number from 0");

@@ -1,6 +1,8 @@
 #include "vision/spatial_pyramid.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cstring>
 
 #include "freshet/error.h"
 
@@ -52,6 +54,32 @@ int intersection(const WordMap& a, const WordMap& b, int word_count, const WordM
   int sum = 0;
   for (std::size_t bin = 0; bin < counts_a.size(); ++bin) sum += std::min(counts_a[bin], counts_b[bin]);
   return sum;
+}
+
+WordMap WordMaps::operator[](std::size_t row) const {
+  return visit([&](auto words) {
+    WordMap map;
+    std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(row * kPoints), kPoints, map.begin());
+    return map;
+  });
+}
+
+void OwnWordMaps::set(std::size_t row, const WordMap& map) {
+  std::byte* const to = bytes_.data() + row * row_bytes();
+  if (word_bytes_ == 1)
+    std::transform(map.begin(), map.end(), to, [](Word word) { return static_cast<std::byte>(word); });
+  else
+    std::memcpy(to, map.data(), row_bytes());
+}
+
+void OwnWordMaps::set(std::size_t first, WordMaps rows) {
+  std::ranges::copy(rows.bytes(), bytes_.begin() + static_cast<std::ptrdiff_t>(first * row_bytes()));
+}
+
+OwnWordMaps rows_of(WordMaps maps, std::span<const std::uint32_t> rows) {
+  OwnWordMaps some(maps.word_bytes(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) some.set(i, maps.subspan(rows[i], 1));
+  return some;
 }
 
 }  // namespace freshet::vision

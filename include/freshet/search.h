@@ -99,8 +99,8 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte =
               const SearchOptions& options = {}, const Job& job = {});
 
 /// The patches that are most like descriptions of one's own, by weighted histogram intersection.
-/// words      CV_8U, Q x 81: visual words of a grid of 9 x 9 (Footage::column, "patch.words"); points of words beyond
-///            the store's do not count.
+/// words      CV_8U or CV_16U, Q x 81: visual words of a grid of 9 x 9 (Footage::column, "patch.words"); points of
+///            words beyond the store's do not count.
 /// k          1 to 10000.
 /// Throws     Error{kNotFound} when the store has no index, Error{kUsage} for another shape.
 /// Cost       as search().

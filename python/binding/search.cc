@@ -112,7 +112,8 @@ The first search of a store opens its index (1.6 us and 620 bytes a patch), whic
         return run_for(py::none(), [&](const Job&) { return nearest_by_words(store, words, k); });
       },
       "store"_a, "words"_a, "k"_a = 100,
-      "PatchTable for words of one's own: (questions, 81), uint8, a grid of 9 x 9 (the column patch.words).");
+      "PatchTable for words of one's own: (questions, 81), uint8 or uint16, a grid of 9 x 9 (the column "
+      "patch.words).");
   module.def(
       "nearest_by_histograms",
       [](const Store& store, const cv::Mat& histograms, int k) {

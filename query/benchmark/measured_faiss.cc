@@ -89,7 +89,7 @@ class AllBins final : public CandidateIndex {
         index_(static_cast<int>(histogram_bins(space.word_count)), arguments..., faiss::METRIC_L1) {}
 
   Index& faiss_index() { return index_; }
-  void add(std::span<const vision::WordMap> words) {
+  void add(vision::WordMaps words) {
     std::vector<unsigned char> bytes(histogram_bins(word_count_));
     add_rows(index_, words.size(), [&](std::size_t row, std::span<float> to) {
       fill_histogram(whole_query(words[row]), word_count_, bytes);

@@ -19,7 +19,7 @@ namespace freshet::query {
 
 /// The patches to search among: row i is words[i]. Outlives the index that is built of it.
 struct SearchSpace {
-  std::span<const vision::WordMap> words;  // each below word_count
+  vision::WordMaps words;  // each below word_count
   int word_count = 0;
 };
 

@@ -56,7 +56,7 @@ std::vector<ScoredPatch> brute_force(const SearchSpace& space, const PieceQuery&
 // Some rows of the table and what is true of them.
 struct Ground {
   std::vector<stored::Row> rows;
-  std::vector<vision::WordMap> words;
+  vision::OwnWordMaps words;
   SearchSpace space;
   std::unique_ptr<const ExactIndex> index;
   std::vector<std::vector<ScoredPatch>> exact;  // of all queries
@@ -150,7 +150,7 @@ class Benchmark {
     Ground& ground = grounds_[count];
     if (ground.index) return ground;
     ground.rows = evenly(asked_.rows, count);
-    for (const stored::Row row : ground.rows) ground.words.push_back(base_.table.words[row]);
+    ground.words = vision::rows_of(base_.table.words, ground.rows);
     ground.space = {ground.words, base_.codebook.words};
     ground.index = std::make_unique<ExactIndex>(ground.words, base_.codebook.words);
     ground.exact = ground.index->search(asked_.queries, kBest);
@@ -279,8 +279,7 @@ class Benchmark {
     }
     const auto try_part = [&](std::size_t rows) {
       const std::vector<stored::Row> some = evenly(asked_.rows, rows);
-      std::vector<vision::WordMap> words;
-      for (const stored::Row row : some) words.push_back(base_.table.words[row]);
+      const vision::OwnWordMaps words = vision::rows_of(base_.table.words, some);
       const Cost cost = build_once(kind, {words, base_.codebook.words}, built);
       built = {};
       return cost;

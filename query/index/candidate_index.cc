@@ -43,17 +43,21 @@ void check([[maybe_unused]] const SearchFilter& search_filter, [[maybe_unused]] 
           search_filter.mean_v.size() == rows));
 }
 
-void check_words(std::span<const vision::WordMap> words, int word_count) {
+void check_words(vision::WordMaps words, int word_count) {
   constexpr std::size_t kRows = 16384;
   const std::size_t parts = (words.size() + kRows - 1) / kRows;
   oneapi::tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
     const auto rows = words.subspan(part * kRows, std::min(kRows, words.size() - part * kRows));
-    std::uint8_t most = 0;  // of all: as fast as memory, where row by row is not
-    for (const vision::WordMap& row : rows)
-      for (const std::uint8_t word : row) most = std::max(most, word);
+    // Of all: as fast as memory, where row by row is not.
+    const int most = rows.visit([](auto all) {
+      auto largest = all[0];
+      for (const auto word : all) largest = std::max(largest, word);
+      return int{largest};
+    });
     if (most < word_count) return;
     for (std::size_t row = 0; row < rows.size(); ++row) {
-      const int max_word = *std::max_element(rows[row].begin(), rows[row].end());
+      const vision::WordMap map = rows[row];
+      const int max_word = *std::max_element(map.begin(), map.end());
       if (max_word < word_count) continue;
       throw Error(
           ErrorKind::kDamaged, "column patch.words, row " + std::to_string(part * kRows + row),

@@ -78,6 +78,6 @@ class CandidateIndex {
 void check(const SearchFilter& search_filter, std::size_t queries, std::size_t rows);
 
 /// Throws Error{kDamaged} when a word is not below word_count.
-void check_words(std::span<const vision::WordMap> words, int word_count);
+void check_words(vision::WordMaps words, int word_count);
 
 }  // namespace freshet::query

@@ -30,7 +30,7 @@ void fill_histogram(const PieceQuery& query, int word_count, std::span<unsigned 
   }
 }
 
-std::vector<unsigned char> dense_histograms(std::span<const vision::WordMap> words, int word_count) {
+std::vector<unsigned char> dense_histograms(vision::WordMaps words, int word_count) {
   const std::size_t bins = histogram_bins(word_count);
   std::vector<unsigned char> histograms(words.size() * bins);
   oneapi::tbb::parallel_for(std::size_t{0}, words.size(), [&](std::size_t row) {

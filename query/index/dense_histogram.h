@@ -24,7 +24,7 @@ PieceQuery whole_query(const vision::WordMap& words);
 void fill_histogram(const PieceQuery& query, int word_count, std::span<unsigned char> histogram);
 
 /// The histograms of all patches, one after another: words.size() * histogram_bins() bytes.
-std::vector<unsigned char> dense_histograms(std::span<const vision::WordMap> words, int word_count);
+std::vector<unsigned char> dense_histograms(vision::WordMaps words, int word_count);
 
 /// Sum of absolute differences: whole numbers, so the same with vectors of any width.
 /// Cost, 4200 bins in cache, one core: 0.05 us with AVX-512, 0.3 us without wide vectors.

@@ -56,10 +56,12 @@ struct Scratch {
   std::array<std::uint16_t, kBlockRows> rows;
 };
 
-// A block of rows.
+// A block of rows, kPoints words each.
+template <class Word>
 struct Block {
-  std::size_t first_row;
-  std::span<const vision::WordMap> words;
+  std::size_t first_row, rows;
+  const Word* words;
+  const Word* row(std::size_t at) const { return words + at * kPoints; }
 };
 
 // The lists of one level that a query takes.
@@ -95,12 +97,13 @@ class LevelLists {
 };
 
 // A query made ready, and the best it has found.
+template <class Word>
 class Search {
  public:
   Search(const PieceQuery& query, const RowLists& lists, std::size_t word_count, std::size_t number,
          std::size_t k)
       : number_(number), k_(k), best_(k), fine_(query, word_count) {
-    std::array<std::array<std::uint8_t, 256>, RowLists::kCells> times{};
+    std::array<std::array<std::uint8_t, vision::kMaxWords>, RowLists::kCells> times{};
     for (int point = 0; point < kPoints; ++point) {
       const std::size_t word = query.words[point];
       if (query.mask[point] == 0 || word >= word_count) continue;
@@ -110,11 +113,11 @@ class Search {
     }
   }
 
-  void add_block(const Block& block, const SearchFilter& search_filter, Scratch& scratch) {
+  void add_block(const Block<Word>& block, const SearchFilter& search_filter, Scratch& scratch) {
     std::size_t made = 0;
     level0_.columns(block.first_row, scratch, made, scratch.level0);
     level1_.columns(block.first_row, scratch, made, scratch.level1);
-    const std::size_t groups = (block.words.size() + RowBits::kRows - 1) / RowBits::kRows;
+    const std::size_t groups = (block.rows + RowBits::kRows - 1) / RowBits::kRows;
     scratch.sums.add_up(scratch.level0, scratch.level1, groups);
 
     const PyramidSums::Mask all = admitted(block, search_filter);
@@ -145,59 +148,66 @@ class Search {
   std::vector<ScoredPatch> take() { return best_.take(); }
 
  private:
-  static PyramidSums::Mask admitted(const Block& block, const SearchFilter& search_filter) {
+  static PyramidSums::Mask admitted(const Block<Word>& block, const SearchFilter& search_filter) {
     PyramidSums::Mask mask{};
     if (search_filter.rows != nullptr) {
       const auto words = search_filter.rows->bit_words().subspan(block.first_row / 64);
       std::copy_n(words.begin(), std::min(words.size(), mask.size()), mask.begin());
       return mask;
     }
-    const std::size_t rows = block.words.size();
-    std::fill_n(mask.begin(), rows / 64, ~std::uint64_t{0});
-    if (rows % 64 != 0) mask[rows / 64] = (std::uint64_t{1} << rows % 64) - 1;
+    std::fill_n(mask.begin(), block.rows / 64, ~std::uint64_t{0});
+    if (block.rows % 64 != 0) mask[block.rows / 64] = (std::uint64_t{1} << block.rows % 64) - 1;
     return mask;
   }
 
   // Offers the rows of a mask with their scores, and learns what is to be reached from now on.
-  void compare(const Block& block, const PyramidSums::Mask& mask, const SearchFilter& search_filter,
+  void compare(const Block<Word>& block, const PyramidSums::Mask& mask, const SearchFilter& search_filter,
                Scratch& scratch) {
     // Word maps lie anywhere in memory: all are asked for before the first is needed.
     std::size_t count = 0;
     for (std::size_t i = 0; i < mask.size(); ++i)
       for (std::uint64_t rest = mask[i]; rest != 0; rest &= rest - 1) {
         const std::size_t row = i * 64 + static_cast<std::size_t>(std::countr_zero(rest));
-        __builtin_prefetch(&block.words[row].front());
-        __builtin_prefetch(&block.words[row].back());
+        __builtin_prefetch(block.row(row));
+        __builtin_prefetch(block.row(row + 1) - 1);
         scratch.rows[count++] = static_cast<std::uint16_t>(row);
       }
     for (const std::uint16_t row : std::span(scratch.rows).first(count)) {
       if (!search_filter.admits(number_, block.first_row + row)) continue;
       best_.offer(static_cast<stored::Row>(block.first_row + row),
-                  scratch.sums.sum_of(row) + vision::kLevelWeights[2] * fine_.intersection(block.words[row]));
+                  scratch.sums.sum_of(row) + vision::kLevelWeights[2] * fine_.intersection(block.row(row)));
     }
     best_.shrink();
   }
 
   std::size_t number_, k_;
   Best best_;
-  FineWords fine_;
+  FineWords<Word> fine_;
   LevelLists level0_, level1_;
 };
 
-std::span<const vision::WordMap> checked(std::span<const vision::WordMap> words, int word_count) {
+vision::WordMaps checked(vision::WordMaps words, int word_count) {
   check_words(words, word_count);
   return words;
 }
 
 }  // namespace
 
-ExactIndex::ExactIndex(std::span<const vision::WordMap> words, int word_count)
+ExactIndex::ExactIndex(vision::WordMaps words, int word_count)
     : words_(checked(words, word_count)),
       word_count_(static_cast<std::size_t>(word_count)),
       lists_(words_, word_count_) {}
 
 std::vector<std::vector<ScoredPatch>> ExactIndex::search(std::span<const PieceQuery> queries, std::size_t k,
                                                          const SearchFilter& search_filter) const {
+  return words_.visit([&](auto words) { return search_words(words, queries, k, search_filter); });
+}
+
+template <class Word>
+std::vector<std::vector<ScoredPatch>> ExactIndex::search_words(std::span<const Word> words,
+                                                               std::span<const PieceQuery> queries,
+                                                               std::size_t k,
+                                                               const SearchFilter& search_filter) const {
   check(search_filter, queries.size(), rows());
   std::vector<std::vector<ScoredPatch>> answers(queries.size());
   k = std::min(k, rows());
@@ -206,13 +216,13 @@ std::vector<std::vector<ScoredPatch>> ExactIndex::search(std::span<const PieceQu
   oneapi::tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
     thread_local Scratch scratch;  // kept from search to search: a single piece takes less than making it
     const std::size_t first = part * queries.size() / parts, last = (part + 1) * queries.size() / parts;
-    std::vector<Search> searches;
+    std::vector<Search<Word>> searches;
     searches.reserve(last - first);
     for (std::size_t i = first; i < last; ++i) searches.emplace_back(queries[i], lists_, word_count_, i, k);
     for (std::size_t row = 0; row < rows(); row += kBlockRows) {
-      const Block block{row, words_.subspan(row, std::min(kBlockRows, rows() - row))};
-      if (search_filter.rows != nullptr && search_filter.rows->empty(row, block.words.size())) continue;
-      for (Search& search : searches) search.add_block(block, search_filter, scratch);
+      const Block<Word> block{row, std::min(kBlockRows, rows() - row), words.data() + row * kPoints};
+      if (search_filter.rows != nullptr && search_filter.rows->empty(row, block.rows)) continue;
+      for (Search<Word>& search : searches) search.add_block(block, search_filter, scratch);
     }
     for (std::size_t i = first; i < last; ++i) answers[i] = searches[i - first].take();
   });

@@ -20,16 +20,21 @@ namespace freshet::query {
 /// Memory: 460 bytes per row.
 class ExactIndex final : public CandidateIndex {
  public:
-  /// words     borrowed: must live as long as the index. word_count 1..256.
+  /// words     borrowed: must live as long as the index. word_count 1..vision::kMaxWords.
   /// Throws    Error{kDamaged} when a word is not below word_count.
-  ExactIndex(std::span<const vision::WordMap> words, int word_count);
+  ExactIndex(vision::WordMaps words, int word_count);
   std::size_t rows() const override { return words_.size(); }
   std::size_t bytes() const { return lists_.bytes(); }
   std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
                                                const SearchFilter& search_filter = {}) const override;
 
  private:
-  std::span<const vision::WordMap> words_;
+  template <class Word>
+  std::vector<std::vector<ScoredPatch>> search_words(std::span<const Word> words,
+                                                     std::span<const PieceQuery> queries, std::size_t k,
+                                                     const SearchFilter& search_filter) const;
+
+  vision::WordMaps words_;
   std::size_t word_count_;
   RowLists lists_;
 };

@@ -141,8 +141,8 @@ struct Header {
 };
 static_assert(sizeof(Header) == 64);
 
-std::uint64_t hash_of(std::span<const vision::WordMap> words) {
-  return XXH3_64bits(words.data(), words.size_bytes());
+std::uint64_t hash_of(vision::WordMaps words) {
+  return XXH3_64bits(words.bytes().data(), words.bytes().size());
 }
 
 std::string megabytes(std::size_t bytes) { return std::to_string((bytes + 999999) / 1000000) + " MB"; }
@@ -180,7 +180,7 @@ struct FlannIndex::Impl {
   std::unique_ptr<Index> index;           // null when there are no rows
   FlannTuning tuning;
 
-  Impl(std::span<const vision::WordMap> words, int count, const FlannOptions& chosen)
+  Impl(vision::WordMaps words, int count, const FlannOptions& chosen)
       : options(chosen), word_count(count), rows(words.size()), words_hash(hash_of(words)) {
     check_words(words, word_count);
     bins = histogram_bins(word_count);
@@ -235,7 +235,7 @@ struct FlannIndex::Impl {
   }
 };
 
-FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count, const FlannOptions& options)
+FlannIndex::FlannIndex(vision::WordMaps words, int word_count, const FlannOptions& options)
     : impl_(std::make_unique<Impl>(words, word_count, options)) {
   if (!impl_->index) return;
   const Stopwatch watch;
@@ -251,8 +251,8 @@ FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count, c
   impl_->tuning.build_seconds = static_cast<float>(watch.seconds());
 }
 
-FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count,
-                       std::span<const std::byte> bytes, const FlannOptions& options)
+FlannIndex::FlannIndex(vision::WordMaps words, int word_count, std::span<const std::byte> bytes,
+                       const FlannOptions& options)
     : impl_(std::make_unique<Impl>(words, word_count, options)) {
   const Header expected;
   Header header;

@@ -49,11 +49,11 @@ class FlannIndex final : public CandidateIndex {
  public:
   /// Builds. Throws Error{kUsage} when the histograms exceed max_bytes, Error{kDamaged} for words
   /// out of range.
-  FlannIndex(std::span<const vision::WordMap> words, int word_count, const FlannOptions& options = {});
+  FlannIndex(vision::WordMaps words, int word_count, const FlannOptions& options = {});
   /// Loads what serialize() gave, for the same words: histograms are derived from them again. The bytes may be
   /// anybody's: they are walked before FLANN gets them (flann_trees.h). Error{kDamaged} when they are no such trees, or
   /// when they were built for other words.
-  FlannIndex(std::span<const vision::WordMap> words, int word_count, std::span<const std::byte> bytes,
+  FlannIndex(vision::WordMaps words, int word_count, std::span<const std::byte> bytes,
              const FlannOptions& options = {});
   ~FlannIndex() override;
 

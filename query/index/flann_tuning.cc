@@ -20,7 +20,7 @@ struct Question {
   std::vector<ScoredPatch> exact;
 };
 
-std::vector<Question> questions_of(std::span<const vision::WordMap> words, int word_count,
+std::vector<Question> questions_of(vision::WordMaps words, int word_count,
                                    std::span<const stored::Row> clip_rows, std::size_t count) {
   const ExactIndex exact(words, word_count);
   std::vector<Question> questions;
@@ -52,10 +52,10 @@ double recall(FlannIndex& index, const std::vector<Question>& questions, std::ui
 
 }  // namespace
 
-void tune_flann(FlannIndex& index, std::span<const vision::WordMap> words, int word_count,
+void tune_flann(FlannIndex& index, vision::WordMaps words, int word_count,
                 std::span<const stored::Row> clip_rows, const FlannTuningOptions& options) {
   assert(index.rows() == words.size() && !clip_rows.empty() && clip_rows.back() == words.size());
-  if (words.empty()) return;
+  if (words.size() == 0) return;
   const auto questions = questions_of(words, word_count, clip_rows, std::min(options.queries, words.size()));
   const auto maximum = static_cast<std::uint32_t>(std::min<std::size_t>(words.size(), 1 << 30));
   std::uint32_t checks = std::min<std::uint32_t>(64, maximum), too_few = 0;

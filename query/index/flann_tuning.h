@@ -21,7 +21,7 @@ struct FlannTuningOptions {
 /// words       that the index was built for.
 /// clip_rows   first row of each clip, and the number of rows at the end.
 /// Cost        the queries some ten times; 246,477 patches: seconds.
-void tune_flann(FlannIndex& index, std::span<const vision::WordMap> words, int word_count,
+void tune_flann(FlannIndex& index, vision::WordMaps words, int word_count,
                 std::span<const stored::Row> clip_rows, const FlannTuningOptions& options = {});
 
 }  // namespace freshet::query

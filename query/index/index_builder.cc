@@ -89,6 +89,8 @@ class Build {
     if (progress_) progress_({stage, done, total});
   }
 
+  int word_bytes() const { return vision::word_bytes(settings_.codebook.words); }
+
   bool up_to_date(const stored::StoredCodebook& known) const {
     if (known.clips_hash != stored::hash_of_clips(snapshot_)) return false;
     return std::all_of(clips_.begin(), clips_.end(), [&](store::ClipId clip) {
@@ -195,7 +197,7 @@ class Build {
     words_.resize(clips_.size());
     for (std::size_t c = 0; c < clips_.size(); ++c) {
       if (snapshot_.clip(clips_[c]).rows > 0) {
-        words_[c] = stored::kPatchWords.read(snapshot_, clips_[c]);
+        words_[c] = stored::kPatchWords.read(snapshot_, clips_[c], word_bytes());
       }
     }
   }
@@ -228,29 +230,36 @@ class Build {
       return;
     }
     Stopwatch watch;
-    // Rows are numbered by clip id, words_ stands in order of source hash.
-    std::vector<std::size_t> by_id(clips_.size());
-    for (std::size_t c = 0; c < clips_.size(); ++c) by_id[c] = c;
-    std::sort(by_id.begin(), by_id.end(),
-              [&](std::size_t a, std::size_t b) { return clips_[a] < clips_[b]; });
-    std::vector<vision::WordMap> rows;
-    std::vector<stored::Row> clip_rows{0};
+    Rows all;
     for (std::size_t i = 0; i < kinds.size(); ++i) {
       say(stage::kFlann, i, kinds.size());
-      if (rows.empty()) {
-        for (const std::size_t c : by_id) {
-          rows.insert(rows.end(), words_[c].begin(), words_[c].end());
-          clip_rows.push_back(static_cast<stored::Row>(rows.size()));
-        }
-      }
+      if (all.words.empty()) all = rows();
       FlannOptions options = options_.flann_options;
       options.kind = kinds[i];
-      FlannIndex index(rows, report_.words, options);
-      tune_flann(index, rows, report_.words, clip_rows);
+      FlannIndex index(all.words, report_.words, options);
+      tune_flann(index, all.words, report_.words, all.first_row);
       blobs_.push_back({blob_name(options.kind), index.serialize(), false});
       report_.flann_built.push_back({options.kind, index.tuning(), blobs_.back().bytes.size()});
     }
     report_.flann_s = watch.lap();
+  }
+
+  struct Rows {
+    vision::OwnWordMaps words;
+    std::vector<stored::Row> first_row{0};  // of each clip, and the number of rows at the end
+  };
+  /// Rows are numbered by clip id, words_ stands in order of source hash.
+  Rows rows() const {
+    std::vector<std::size_t> by_id(clips_.size());
+    for (std::size_t c = 0; c < clips_.size(); ++c) by_id[c] = c;
+    std::sort(by_id.begin(), by_id.end(),
+              [&](std::size_t a, std::size_t b) { return clips_[a] < clips_[b]; });
+    Rows rows{vision::OwnWordMaps(word_bytes(), report_.patches)};
+    for (const std::size_t c : by_id) {
+      rows.words.set(rows.first_row.back(), words_[c]);
+      rows.first_row.push_back(rows.first_row.back() + static_cast<stored::Row>(words_[c].size()));
+    }
+    return rows;
   }
 
   void write() {
@@ -264,8 +273,7 @@ class Build {
     std::vector<store::Store::Column> columns;
     for (std::size_t c = 0; report_.words_built && c < clips_.size(); ++c) {
       if (words_[c].empty()) continue;
-      columns.push_back({clips_[c], stored::kPatchWords.name, std::as_bytes(std::span(words_[c])),
-                         sizeof(vision::WordMap)});
+      columns.push_back(stored::kPatchWords.column(clips_[c], words_[c]));
     }
     store_.write(blobs, columns, erased_);
     report_.write_s = watch.lap();
@@ -285,7 +293,7 @@ class Build {
   std::vector<vision::Variant> variants_;
   std::vector<store::ClipId> clips_;                                  // in order of source hash
   std::vector<std::optional<std::vector<Descriptors>>> descriptors_;  // by clip, then sheet; what is cached
-  std::vector<std::vector<vision::WordMap>> words_;                   // by clip
+  std::vector<vision::OwnWordMaps> words_;                            // by clip
   std::vector<Blob> blobs_;
   std::vector<std::string> erased_;
   IndexReport report_;

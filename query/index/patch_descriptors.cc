@@ -20,6 +20,7 @@ PatchPoints::PatchPoints(const store::ClipRecord& clip, const vision::Settings& 
   const SharedGrid shared = shared_grid(settings.grid);
   step_ = shared.step;
   spread_ = shared.spread;
+  word_bytes_ = vision::word_bytes(settings.codebook.words);
   const int span = spread_ * (vision::kGridSide - 1);  // grid points on a patch's side, less one
   const cv::Size source(static_cast<int>(clip.width), static_cast<int>(clip.height));
 
@@ -95,11 +96,12 @@ std::vector<vision::Descriptor> PatchPoints::describe(const Sheet& sheet, const 
                              sheet.rows, step_, points);
 }
 
-std::vector<vision::WordMap> PatchPoints::words(
-    const vision::Codebook& codebook, std::span<const std::vector<vision::Descriptor>> descriptors) const {
-  std::vector<vision::WordMap> words(places_.size());
+vision::OwnWordMaps PatchPoints::words(const vision::Codebook& codebook,
+                                       std::span<const std::vector<vision::Descriptor>> descriptors) const {
+  vision::OwnWordMaps words(word_bytes_, places_.size());
   std::vector<vision::Descriptor> mirrored;
-  std::vector<std::uint8_t> of_points, of_grid;
+  std::vector<vision::Word> of_points, of_grid;
+  vision::WordMap map;
   for (std::size_t s = 0; s < sheets_.size(); ++s) {
     const Sheet& sheet = sheets_[s];
     for (const bool flipped : {false, true}) {
@@ -120,11 +122,12 @@ std::vector<vision::WordMap> PatchPoints::words(
         for (int j = 0; j < vision::kGridSide; ++j) {
           for (int i = 0; i < vision::kGridSide; ++i) {
             const int column = flipped ? vision::kGridSide - 1 - i : i;
-            words[row][j * vision::kGridSide + i] =
+            map[j * vision::kGridSide + i] =
                 of_grid[static_cast<std::size_t>(place.row + j * spread_) * sheet.columns + place.column +
                         column * spread_];
           }
         }
+        words.set(row, map);
       }
     }
   }

@@ -39,8 +39,8 @@ class PatchPoints {
   std::vector<vision::Descriptor> describe(const Sheet& sheet, const cv::Mat& average,
                                            std::span<const std::uint32_t> points) const;
   /// Words of all patches, given the descriptors of each sheet's points.
-  std::vector<vision::WordMap> words(const vision::Codebook& codebook,
-                                     std::span<const std::vector<vision::Descriptor>> descriptors) const;
+  vision::OwnWordMaps words(const vision::Codebook& codebook,
+                            std::span<const std::vector<vision::Descriptor>> descriptors) const;
 
  private:
   struct Place {
@@ -50,6 +50,7 @@ class PatchPoints {
   };
   int step_ = 6;    // px between grid points
   int spread_ = 1;  // grid points from one of a patch's points to the next
+  int word_bytes_ = 1;
   std::vector<Sheet> sheets_;
   std::vector<Place> places_;  // a patch each
 };

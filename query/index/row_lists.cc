@@ -15,33 +15,32 @@ constexpr int kPoints = vision::kGridSide * vision::kGridSide;
 constexpr std::size_t kBlockRows = PyramidSums::kRows;
 constexpr std::size_t kWords = RowBits::kRows / 64;
 
-// Of levels 0 and 1: a word in a cell.
-constexpr std::size_t kBins = RowLists::kCells * 256;
-constexpr std::size_t cell_of(std::size_t bin) { return bin / 256; }
-constexpr std::size_t word_of(std::size_t bin) { return bin % 256; }
+// Bins of levels 0 and 1, a word in a cell: cell * word count + word.
+constexpr std::size_t kMaxBins = RowLists::kCells * vision::kMaxWords;
 
 // Calls visit(bin, n) for each point on levels 0 and 1: the word's n-th time in that cell.
 class Occurrences {
  public:
+  explicit Occurrences(std::size_t word_count) : bins_(RowLists::kCells * word_count) {
+    for (int point = 0; point < kPoints; ++point)
+      quarters_[point] = static_cast<std::size_t>(
+                             vision::cells_of(point % vision::kGridSide, point / vision::kGridSide)[1]) *
+                         word_count;
+  }
   template <class Visit>
   void visit(const vision::WordMap& map, Visit&& visit) {
-    static const auto kQuarters = [] {
-      std::array<std::uint8_t, kPoints> cells;
-      for (int point = 0; point < kPoints; ++point)
-        cells[point] = static_cast<std::uint8_t>(
-            vision::cells_of(point % vision::kGridSide, point / vision::kGridSide)[1]);
-      return cells;
-    }();
-    counts_.fill(0);
+    std::fill_n(counts_.begin(), bins_, std::uint8_t{0});
     for (int point = 0; point < kPoints; ++point) {
-      const std::size_t word = map[point], quarter = kQuarters[point];
-      visit(word, std::size_t{++counts_[word]});
-      visit(quarter * 256 + word, std::size_t{++counts_[quarter * 256 + word]});
+      const std::size_t whole = map[point], quarter = quarters_[point] + whole;
+      visit(whole, std::size_t{++counts_[whole]});
+      visit(quarter, std::size_t{++counts_[quarter]});
     }
   }
 
  private:
-  std::array<std::uint8_t, kBins> counts_;
+  std::size_t bins_;
+  std::array<std::size_t, kPoints> quarters_;  // by point, the first bin of its cell of level 1
+  std::array<std::uint8_t, kMaxBins> counts_;
 };
 
 // Which lists are columns is decided on evenly spread rows, on all of them where there are few. A list that is judged
@@ -50,8 +49,8 @@ constexpr std::size_t kSampledRows = std::size_t{1} << 16;
 constexpr std::size_t kParts = 16;              // that numbers are put into lists in, at once
 constexpr std::uint32_t kNumbers = 0xffffffff;  // no column: a list of numbers
 
-// The columns of a word's first times in a cell, as nearly all are that are asked for: a small table, which stays in
-// the first cache.
+// The columns of a word's first times in a cell, as nearly all are that are asked for: a small table, of 8 KB for 200
+// words, which stays in the first cache.
 class FirstTimes {
  public:
   static constexpr std::size_t kTimes = 3;
@@ -59,18 +58,17 @@ class FirstTimes {
   template <class ColumnOf>
   FirstTimes(std::size_t word_count, std::size_t none, ColumnOf&& column_of) {
     columns_.fill(static_cast<std::uint16_t>(none));
-    for (std::size_t n = 1; n <= kTimes; ++n)
-      for (std::size_t bin = 0; bin < kBins; ++bin)
-        if (word_of(bin) < word_count)
-          if (const std::uint32_t column = column_of(bin, n); column != kNumbers)
-            columns_[(n - 1) * kBins + bin] = static_cast<std::uint16_t>(column);
+    for (std::size_t bin = 0; bin < RowLists::kCells * word_count; ++bin)
+      for (std::size_t n = 1; n <= kTimes; ++n)
+        if (const std::uint32_t column = column_of(bin, n); column != kNumbers)
+          columns_[bin * (kTimes + 1) + n - 1] = static_cast<std::uint16_t>(column);
   }
   std::size_t column(std::size_t bin, std::size_t n) const {
-    return columns_[(std::min(n, kTimes + 1) - 1) * kBins + bin];
+    return columns_[bin * (kTimes + 1) + std::min(n, kTimes + 1) - 1];
   }
 
  private:
-  std::array<std::uint16_t, (kTimes + 1) * kBins> columns_;
+  std::array<std::uint16_t, (kTimes + 1) * kMaxBins> columns_;
 };
 static_assert(2 * kPoints * RowLists::kFewOf < 0xffff, "columns, of which each has one row in kFewOf");
 
@@ -80,7 +78,7 @@ constexpr unsigned kAsideN = 6, kAsideBin = kAsideN + 7;
 // A row of a block that belongs to a list of numbers is kept as the list, then the row.
 constexpr unsigned kRowBits = 14;
 static_assert(kBlockRows == std::size_t{1} << kRowBits);
-static_assert(RowLists::kCells * 256 * 81 < std::size_t{1} << (32 - kRowBits));
+static_assert(RowLists::places_of(vision::kMaxWords) < std::size_t{1} << (32 - kRowBits));
 
 }  // namespace
 
@@ -95,18 +93,17 @@ RowColumns::RowColumns(std::size_t count) : count_(count) {
 
 void RowColumns::Unmap::operator()(RowBits* at) const { munmap(at, bytes); }
 
-RowLists::RowLists(std::span<const vision::WordMap> words, std::size_t word_count)
-    : words_(word_count), places_(kCells * word_count * kMaxCount) {
+RowLists::RowLists(vision::WordMaps words, std::size_t word_count)
+    : words_(word_count), places_(places_of(word_count)) {
   const std::vector<std::uint32_t> column_of = choose_columns(words);
   // Numbers are collected block by block, as it is not known how many there are.
   const std::size_t blocks = (words.size() + kBlockRows - 1) / kBlockRows;
   const std::size_t columns = column_groups_ == 0 ? 0 : columns_.size() / column_groups_;
   std::vector<std::vector<std::uint32_t>> few(blocks);
-  const FirstTimes first_times(word_count, columns, [&](std::size_t bin, std::size_t n) {
-    return column_of[place_of(cell_of(bin), word_of(bin), n)];
-  });
+  const FirstTimes first_times(word_count, columns,
+                               [&](std::size_t bin, std::size_t n) { return column_of[place_of(bin, n)]; });
   oneapi::tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    Occurrences occurrences;
+    Occurrences occurrences(words_);
     // A row's bits go to some hundred columns, each in a page of its own: those of 64 rows are set in memory that lies
     // together and stays in the first cache, and of a group of rows they go to their places a cache line at a time.
     const std::size_t stride = columns + 1;  // the last one is of what has no column
@@ -128,7 +125,7 @@ RowLists::RowLists(std::span<const vision::WordMap> words, std::size_t word_coun
           });
         for (const std::uint32_t one : std::span(aside.data(), last)) {
           const std::size_t bin = one >> kAsideBin, n = one >> kAsideN & 127, row = one & 63;
-          const std::size_t place = place_of(cell_of(bin), word_of(bin), n);
+          const std::size_t place = place_of(bin, n);
           if (column_of[place] != kNumbers)
             bits[column_of[place]] |= std::uint64_t{1} << row;
           else
@@ -146,15 +143,14 @@ RowLists::RowLists(std::span<const vision::WordMap> words, std::size_t word_coun
   put_numbers(few);
 }
 
-std::vector<std::uint32_t> RowLists::choose_columns(std::span<const vision::WordMap> words) {
+std::vector<std::uint32_t> RowLists::choose_columns(vision::WordMaps words) {
   std::vector<std::uint32_t> column_of(places_.size(), kNumbers);
   std::vector<std::uint32_t> lengths(places_.size());
   const std::size_t sampled = std::min(words.size(), kSampledRows);
-  Occurrences occurrences;
+  Occurrences occurrences(words_);
   for (std::size_t i = 0; i < sampled; ++i)
-    occurrences.visit(words[i * words.size() / sampled], [&](std::size_t bin, std::size_t n) {
-      ++lengths[place_of(cell_of(bin), word_of(bin), n)];
-    });
+    occurrences.visit(words[i * words.size() / sampled],
+                      [&](std::size_t bin, std::size_t n) { ++lengths[place_of(bin, n)]; });
   // An odd number of cache lines: columns that lie a power of two apart would fight for the same places of
   // the cache.
   column_groups_ = (words.size() + RowBits::kRows - 1) / RowBits::kRows | 1;

@@ -16,8 +16,7 @@ namespace {
 // An exact index that is built when it is first asked: a search whose answers are all known needs none.
 class LateIndex final : public CandidateIndex {
  public:
-  LateIndex(std::span<const vision::WordMap> words, int word_count)
-      : words_(words), word_count_(word_count) {}
+  LateIndex(vision::WordMaps words, int word_count) : words_(words), word_count_(word_count) {}
   std::size_t rows() const override { return words_.size(); }
   std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
                                                const SearchFilter& search_filter) const override {
@@ -26,7 +25,7 @@ class LateIndex final : public CandidateIndex {
   }
 
  private:
-  std::span<const vision::WordMap> words_;
+  vision::WordMaps words_;
   int word_count_;
   mutable std::once_flag built_;
   mutable std::unique_ptr<const ExactIndex> index_;

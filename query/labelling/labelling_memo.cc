@@ -144,7 +144,7 @@ LabellingMemo::LabellingMemo(cache::ResultCache& cache, const store::Snapshot& s
   hash.add(std::span<const std::uint16_t>(table.y));
   hash.add(std::span<const float>(table.mean_u));
   hash.add(std::span<const float>(table.mean_v));
-  hash.add(std::span<const vision::WordMap>(table.words));
+  hash.add(table.words.bytes());
   identity_ = hash.key();
 }
 
@@ -168,7 +168,7 @@ Candidates LabellingMemo::find_candidates(const Target& target, const cv::Mat& m
     hash.add(identity_);
     hash.add(rows);
     hash.add(std::uint64_t{k});
-    hash.add(std::span<const std::uint8_t>(query.words));
+    hash.add(std::span<const vision::Word>(query.words));
     hash.add(std::span<const std::uint8_t>(query.mask));
     // Every window that may be asked, one after another, up to the one that asks nothing.
     for (int steps = 0; !asked.empty() && steps < kMaxOpenings; ++steps) {

@@ -111,7 +111,7 @@ Target make_target(const cv::Mat& picture, const cv::Mat& matte, const vision::P
   const int columns = ((target.columns - 1) * grid.stride + grid.patch) / shared.step + 1;
   const int rows = ((target.rows - 1) * grid.stride + grid.patch) / shared.step + 1;
   const vision::DescriptorGrid points = vision::dense_sift(luma, target.origin, columns, rows, shared.step);
-  std::vector<std::uint8_t> words(points.values.size());
+  std::vector<vision::Word> words(points.values.size());
   vision::assign_words(codebook, points.values, words);
 
   target.queries.resize(target.size());

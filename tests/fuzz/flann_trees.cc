@@ -17,12 +17,15 @@ constexpr int kWords = 3;
 constexpr std::size_t kHeader = 64;  // in which hash and size of the rest stand from byte 32 on
 
 /// Patches of three kinds.
-const std::vector<vision::WordMap>& patches() {
-  static const std::vector<vision::WordMap> made = [] {
+const vision::OwnWordMaps& patches() {
+  static const vision::OwnWordMaps made = [] {
     std::mt19937 random(3);
-    std::vector<vision::WordMap> words(130);
-    for (std::size_t i = 0; i < words.size(); ++i)
-      for (auto& word : words[i]) word = static_cast<std::uint8_t>((i + random() % 2) % kWords);
+    vision::OwnWordMaps words(vision::word_bytes(kWords), 130);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      vision::WordMap map;
+      for (auto& word : map) word = static_cast<vision::Word>((i + random() % 2) % kWords);
+      words.set(i, map);
+    }
     return words;
   }();
   return made;

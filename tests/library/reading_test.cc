@@ -26,9 +26,13 @@ struct Opened {
   ScratchFolder folder;
   Store store;
 
-  Opened() : store(made(folder.path() / "made.store")) {}
-  static std::filesystem::path made(const std::filesystem::path& path) {
-    store::Store store = made_store(path, {{.name = "a"}, {.name = "b", .texture = 2, .frame_s = 0.05}});
+  explicit Opened(int words = made_settings().codebook.words)
+      : store(made(folder.path() / "made.store", words)) {}
+  static std::filesystem::path made(const std::filesystem::path& path, int words) {
+    vision::Settings settings = made_settings();
+    settings.codebook.words = words;
+    store::Store store =
+        made_store(path, {{.name = "a"}, {.name = "b", .texture = 2, .frame_s = 0.05}}, settings);
     query::build_index(store, {});
     return path;
   }
@@ -64,9 +68,13 @@ TEST(Footage, GivesWhatTheStoreKeeps) {
   EXPECT_EQ(variants(opened.store).size(), made_settings().variants().size());
 }
 
-TEST(Nearest, TheExactIndexAndTheScanAgree) {
-  const Opened opened;
+class Nearest : public testing::TestWithParam<int> {};
+
+TEST_P(Nearest, TheExactIndexAndTheScanAgree) {
+  const Opened opened(GetParam());
   const cv::Mat words = Footage(opened.store, "b").column("patch.words").rowRange(10, 20);
+  EXPECT_EQ(words.type(), GetParam() <= 256 ? CV_8U : CV_16U);
+  EXPECT_EQ(kind_of([&] { nearest_by_words(opened.store, words.colRange(0, 80), 9); }), ErrorKind::kUsage);
   const PatchTable by_words = nearest_by_words(opened.store, words, 30);
   const PatchTable by_histograms =
       nearest_by_histograms(opened.store, histograms_of(opened.store, words), 30);
@@ -81,6 +89,8 @@ TEST(Nearest, TheExactIndexAndTheScanAgree) {
   EXPECT_EQ(wide.patches.at<int>(0, all), -1);
   EXPECT_NE(wide.patches.at<int>(0, all - 1), -1);
 }
+
+INSTANTIATE_TEST_SUITE_P(WordsOfOneByteAndOfTwo, Nearest, testing::Values(40, 300));
 
 TEST(Sampler, DrawsEveryPatchOnceWhateverTheShards) {
   const Opened opened;

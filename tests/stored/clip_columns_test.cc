@@ -7,6 +7,7 @@
 #include "stored/average_image.h"
 #include "stored/clip_metadata.h"
 #include "stored/clip_schema.h"
+#include "tests/harness/fault.h"
 #include "tests/harness/scratch_folder.h"
 
 namespace freshet::stored {
@@ -33,8 +34,10 @@ TEST(ClipColumns, ComeBackByTheirNames) {
                      .y = {5, 6},
                      .motion = {{1, 2}, {3, 4}},
                      .coverage = {0.5f, 1},
-                     .words = std::vector<vision::WordMap>(2)};
-  columns.patches.words[1][3] = 9;
+                     .words = vision::OwnWordMaps(2, 2)};
+  vision::WordMap map{};
+  map[3] = 900;
+  columns.patches.words.set(1, map);
   store::ClipWriter writer = store.add_clip();
   begin_stream(writer, store::Stream::kFrames, {frame});
   for (int i = 0; i < 3; ++i) append(writer, store::Stream::kFrames, {frame});
@@ -55,7 +58,10 @@ TEST(ClipColumns, ComeBackByTheirNames) {
   EXPECT_EQ(kPatchY.read(snapshot, id), columns.patches.y);
   EXPECT_EQ(kPatchMotion.read(snapshot, id), columns.patches.motion);
   EXPECT_EQ(kPatchCoverage.read(snapshot, id), columns.patches.coverage);
-  EXPECT_EQ(kPatchWords.read(snapshot, id), columns.patches.words);
+  EXPECT_EQ(kPatchWords.read(snapshot, id, 2), columns.patches.words);
+  EXPECT_EQ(kPatchWords.read(snapshot, id, 2)[1], map);
+  const std::string fault = fault_of(ErrorKind::kDamaged, [&] { kPatchWords.read(snapshot, id, 1); });
+  EXPECT_NE(fault.find("patch.words has rows of 162 bytes, 81 expected"), std::string::npos) << fault;
   EXPECT_EQ(snapshot.records<float>(id, kMotionCells, 2), columns.motion.values);
   EXPECT_EQ(snapshot.records<float>(id, texture_cells_name(1), 4), columns.texture[1].values);
   EXPECT_EQ(snapshot.records<float>(id, kLifeCells, 8), columns.life.values);

@@ -27,9 +27,8 @@ TEST(PatchTable, TakesNoMemoryForRowsThatNoColumnHolds) {
   {
     store::Store store = made_store(file, {{.name = "fall.mp4"}});
     const store::Snapshot snapshot = store.snapshot();
-    const std::vector<vision::WordMap> words(snapshot.clip(snapshot.clips()[0]).rows);
-    const store::Store::Column column{snapshot.clips()[0], kPatchWords.name, std::as_bytes(std::span(words)),
-                                      sizeof(vision::WordMap)};
+    const vision::OwnWordMaps words(1, snapshot.clip(snapshot.clips()[0]).rows);
+    const store::Store::Column column = kPatchWords.column(snapshot.clips()[0], words);
     store.write({}, {&column, 1});
     EXPECT_EQ(read_patch_table(store.snapshot()).size(), words.size());
   }

@@ -60,7 +60,7 @@ void SettingsOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   add("/codebook/words",
       command.add_option("--words", settings_.codebook.words, "Number of visual words in the codebook"))
-      ->check(CLI::Range(2, 256))
+      ->check(CLI::Range(2, vision::kMaxWords))
       ->capture_default_str();
 }
 

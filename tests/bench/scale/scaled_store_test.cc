@@ -91,7 +91,7 @@ TEST_F(ScaledStore, WithoutJitterACopyIsItsSource) {
     EXPECT_EQ(copy.columns.patches.x, stored::kPatchX.read(snapshot, id));
     EXPECT_EQ(copy.columns.patches.y, stored::kPatchY.read(snapshot, id));
     EXPECT_EQ(copy.columns.patches.coverage, stored::kPatchCoverage.read(snapshot, id));
-    const auto words = stored::kPatchWords.read(snapshot, id);
+    const auto words = stored::kPatchWords.read(snapshot, id, 1);
     ASSERT_GT(words.size(), 50u);
     ASSERT_EQ(copy.columns.patches.words.size(), words.size());
     std::size_t other = 0;
@@ -162,7 +162,7 @@ TEST_F(ScaledStore, WordsAreThoseThatAnIndexBuildWouldGive) {
   std::vector<std::vector<vision::Descriptor>> descriptors;
   for (const auto& sheet : points.sheets())
     descriptors.push_back(points.describe(sheet, stored::average_image(snapshot, id)));
-  EXPECT_EQ(points.words(codebook, descriptors), stored::kPatchWords.read(snapshot, id));
+  EXPECT_EQ(points.words(codebook, descriptors), stored::kPatchWords.read(snapshot, id, 1));
 }
 
 TEST_F(ScaledStore, IsTheSameForASeedWhateverTheThreads) {
@@ -186,7 +186,7 @@ TEST_F(ScaledStore, ASmallerOneIsTheBeginningOfALarger) {
              many = stored::read_patch_table(large.snapshot()).words;
   ASSERT_EQ(few.size(), 500u);
   ASSERT_EQ(many.size(), 1500u);
-  EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
+  EXPECT_TRUE(std::ranges::equal(few.bytes(), many.bytes().first(few.bytes().size())));
 }
 
 TEST_F(ScaledStore, AClipThatIsNotThereIsAnError) {

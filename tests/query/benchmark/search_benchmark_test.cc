@@ -248,8 +248,7 @@ TEST(Recall, CountsWhatScoresAsWellAndNothingTwice) {
 }
 
 TEST(Recall, ATieAtTheEndIsAsGood) {
-  std::vector<vision::WordMap> words(200);  // all alike
-  for (auto& map : words) map.fill(3);
+  const vision::OwnWordMaps words(1, 200);  // all alike
   const SearchSpace space{words, 50};
   const std::vector queries{whole(words[0])};
   const std::vector<std::vector<ScoredPatch>> exact{brute_force(words, 50, queries[0], 100)};
@@ -262,11 +261,8 @@ TEST(Recall, ATieAtTheEndIsAsGood) {
 TEST(SubsetIndex, AnswersAsAnIndexOfThoseRowsInTheTablesNumbers) {
   const auto words = random_words({.rows = 500, .words = 50, .clusters = 5});
   std::vector<stored::Row> rows;
-  std::vector<vision::WordMap> some;
-  for (stored::Row row = 3; row < words.size(); row += 3) {
-    rows.push_back(row);
-    some.push_back(words[row]);
-  }
+  for (stored::Row row = 3; row < words.size(); row += 3) rows.push_back(row);
+  const vision::OwnWordMaps some = vision::rows_of(words, rows);
   const ExactIndex inner(some, 50);
   const SubsetIndex subset(inner, rows, words.size());
   RowFilter only(words.size(), false), allowed(words.size());

@@ -12,7 +12,7 @@
 namespace freshet::query {
 namespace {
 
-std::vector<PieceQuery> some_queries(std::span<const vision::WordMap> rows, int words) {
+std::vector<PieceQuery> some_queries(vision::WordMaps rows, int words) {
   std::vector<PieceQuery> queries;
   for (std::size_t i = 0; i < 6; ++i) queries.push_back(whole(rows[i * rows.size() / 6]));
   const auto strangers = random_words({.rows = 6, .words = words, .seed = 77});
@@ -26,7 +26,7 @@ std::vector<PieceQuery> some_queries(std::span<const vision::WordMap> rows, int 
 }
 
 TEST(ExactIndex, FindsWhatComparingEveryRowFindsInTheSameOrder) {
-  for (const int words : {1, 7, 200, 256}) {
+  for (const int words : {1, 7, 200, 256, 257, 500, vision::kMaxWords}) {
     const auto rows = random_words({.rows = 1000, .words = words, .clusters = 10, .seed = 4});
     const ExactIndex index(rows, words);
     RowFilter filter(rows.size());
@@ -82,17 +82,19 @@ TEST(ExactIndex, GivesEachQueryTheRowsThatMoveAsItsWindowSays) {
 }
 
 TEST(ExactIndex, CrossesTheBordersOfBlocks) {
-  const auto rows = random_words({.rows = 70001, .words = 40, .clusters = 30, .seed = 8});
-  const ExactIndex index(rows, 40);
-  RowFilter last_block(rows.size(), false);
-  for (std::size_t row = 65536; row < rows.size(); ++row) last_block.allow(row);
-  const std::vector<PieceQuery> queries{whole(rows[0]), whole(rows[32767]), whole(rows[32768]),
-                                        whole(rows[70000])};
-  const auto answers = index.search(queries, 150),
-             filtered = index.search(queries, 150, {.rows = &last_block});
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    EXPECT_EQ(answers[i], brute_force(rows, 40, queries[i], 150));
-    EXPECT_EQ(filtered[i], brute_force(rows, 40, queries[i], 150, &last_block));
+  for (const int words : {40, 500}) {
+    const auto rows = random_words({.rows = 70001, .words = words, .clusters = 30, .seed = 8});
+    const ExactIndex index(rows, words);
+    RowFilter last_block(rows.size(), false);
+    for (std::size_t row = 65536; row < rows.size(); ++row) last_block.allow(row);
+    const std::vector<PieceQuery> queries{whole(rows[0]), whole(rows[32767]), whole(rows[32768]),
+                                          whole(rows[70000])};
+    const auto answers = index.search(queries, 150),
+               filtered = index.search(queries, 150, {.rows = &last_block});
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      EXPECT_EQ(answers[i], brute_force(rows, words, queries[i], 150));
+      EXPECT_EQ(filtered[i], brute_force(rows, words, queries[i], 150, &last_block));
+    }
   }
 }
 
@@ -116,7 +118,7 @@ TEST(ExactIndex, GivesTheFullMassToARowItself) {
 }
 
 TEST(ExactIndex, AcceptsNoRowsNoQueriesAndNothingAllowed) {
-  const ExactIndex empty(std::vector<vision::WordMap>{}, 200);
+  const ExactIndex empty(vision::WordMaps{}, 200);
   const auto rows = random_words({.rows = 10});
   EXPECT_TRUE(empty.search(std::vector{whole(rows[0])}, 5)[0].empty());
   const ExactIndex index(rows, 200);
@@ -126,10 +128,14 @@ TEST(ExactIndex, AcceptsNoRowsNoQueriesAndNothingAllowed) {
 }
 
 TEST(ExactIndex, RefusesWordsThatTheCodebookLacks) {
-  auto rows = random_words({.rows = 10, .words = 50});
-  rows[7][80] = 50;
-  const std::string fault = fault_of(ErrorKind::kDamaged, [&] { ExactIndex(rows, 50); });
-  EXPECT_NE(fault.find("row 7"), std::string::npos);
+  for (const int words : {50, 500}) {
+    auto rows = random_words({.rows = 10, .words = words});
+    vision::WordMap map = rows[7];
+    map[80] = static_cast<vision::Word>(words);
+    rows.set(7, map);
+    const std::string fault = fault_of(ErrorKind::kDamaged, [&] { ExactIndex(rows, words); });
+    EXPECT_NE(fault.find("row 7"), std::string::npos);
+  }
 }
 
 TEST(RowFilter, CountsOnlyTheRowsThereAre) {

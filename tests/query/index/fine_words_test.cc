@@ -11,7 +11,7 @@ namespace {
 std::uint32_t obvious(const PieceQuery& query, const vision::WordMap& map) {
   std::uint32_t sum = 0;
   for (int cell = 5; cell < vision::kPyramidCells; ++cell)
-    for (int word = 0; word < 256; ++word) {
+    for (int word = 0; word < vision::kMaxWords; ++word) {
       std::uint32_t asked = 0, held = 0;
       for (int point = 0; point < 81; ++point) {
         if (vision::cells_of(point % 9, point / 9)[2] != cell) continue;
@@ -23,25 +23,38 @@ std::uint32_t obvious(const PieceQuery& query, const vision::WordMap& map) {
   return sum;
 }
 
-TEST(FineWords, GiveTheIntersectionThatCountingGives) {
+template <class Word>
+void compare_with_counting(std::initializer_list<int> word_counts) {
   std::mt19937_64 random(12);
-  for (const int words : {1, 3, 20, 256}) {
+  for (const int words : word_counts) {
     const auto rows = random_words({.rows = 60, .words = words, .clusters = 4, .seed = 9});
     for (std::size_t i = 0; i < 20; ++i) {
       PieceQuery query = whole(rows[i]);
       if (i % 3 != 0)
         for (auto& counts : query.mask) counts = random() % (i % 3 + 1) != 0;
-      const FineWords fine(query, static_cast<std::size_t>(words));
-      for (const vision::WordMap& row : rows) ASSERT_EQ(fine.intersection(row), obvious(query, row));
+      const FineWords<Word> fine(query, static_cast<std::size_t>(words));
+      for (std::size_t row = 0; row < rows.size(); ++row) {
+        const vision::WordMap map = rows[row];
+        std::array<Word, 81> narrow;
+        std::transform(map.begin(), map.end(), narrow.begin(),
+                       [](auto word) { return static_cast<Word>(word); });
+        ASSERT_EQ(fine.intersection(narrow.data()), obvious(query, map));
+      }
     }
   }
+}
+
+TEST(FineWords, GiveTheIntersectionThatCountingGives) {
+  compare_with_counting<std::uint8_t>({1, 3, 20, 256});
+  compare_with_counting<std::uint16_t>({1, 20, 500, vision::kMaxWords});
 }
 
 TEST(FineWords, PassOverWordsThatTheCodebookLacks) {
   const auto rows = random_words({.rows = 2, .words = 10});
   PieceQuery query = whole(rows[0]);
   query.words.fill(10);
-  EXPECT_EQ(FineWords(query, 10).intersection(rows[0]), 0u);
+  const vision::WordMap row = rows[0];
+  EXPECT_EQ(FineWords<std::uint16_t>(query, 10).intersection(row.data()), 0u);
 }
 
 }  // namespace

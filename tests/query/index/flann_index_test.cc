@@ -201,8 +201,7 @@ TEST(FlannTuning, TakesStoresOfOneClipAndOfFewRows) {
   }
 }
 
-std::optional<ErrorKind> kind_of_error(std::span<const vision::WordMap> rows,
-                                       std::span<const std::byte> bytes) {
+std::optional<ErrorKind> kind_of_error(vision::WordMaps rows, std::span<const std::byte> bytes) {
   return kind_of([&] { FlannIndex(rows, kWords, bytes); });
 }
 
@@ -215,7 +214,7 @@ TEST(FlannIndex, RefusesBytesThatAreNotItsOwn) {
     EXPECT_EQ(kind_of_error(rows, flipped), ErrorKind::kDamaged) << at;
     EXPECT_EQ(kind_of_error(rows, std::span(bytes).first(at)), ErrorKind::kDamaged) << at;
   }
-  rows[3][3] ^= 1;
+  rows.bytes()[3 * 81 + 3] ^= std::byte{1};
   EXPECT_EQ(kind_of_error(rows, bytes), ErrorKind::kDamaged);
 }
 
@@ -278,7 +277,7 @@ TEST(FlannIndex, SaysWhatToDoWhenItWouldTakeTooMuchMemory) {
 }
 
 TEST(FlannIndex, AcceptsNoRows) {
-  const std::vector<vision::WordMap> none;
+  const vision::OwnWordMaps none;
   const FlannIndex index(none, kWords);
   EXPECT_TRUE(index.search(std::vector{PieceQuery{}}, 5)[0].empty());
   EXPECT_EQ(FlannIndex(none, kWords, index.serialize()).rows(), 0u);

@@ -6,7 +6,10 @@
 #include <algorithm>
 
 #include "freshet/error.h"
+#include "query/index/dense_histogram.h"
+#include "query/index/search_base.h"
 #include "stored/average_image.h"
+#include "stored/clip_schema.h"
 #include "stored/patch_table.h"
 #include "stored/stored_codebook.h"
 #include "tests/harness/fault.h"
@@ -16,17 +19,21 @@
 namespace freshet::query {
 namespace {
 
-TEST(IndexBuilder, GivesEveryPatchTheWordsOfItsOwnPixels) {
+class WordsOfAStore : public testing::TestWithParam<int> {};
+
+TEST_P(WordsOfAStore, AreThoseOfThePatchesOwnPixels) {
   const ScratchFolder folder;
-  const vision::Settings settings = made_settings();
-  store::Store store = made_store(folder.path() / "a.store", some_clips());
+  vision::Settings settings = made_settings();
+  settings.codebook.words = GetParam();
+  store::Store store = made_store(folder.path() / "a.store", some_clips(), settings);
   const IndexReport report = build_index(store);
   EXPECT_TRUE(report.words_built);
-  EXPECT_EQ(report.words, 40);
+  EXPECT_EQ(report.words, GetParam());
   const store::Snapshot snapshot = store.snapshot();
   const stored::PatchTable table = stored::read_patch_table(snapshot);
   const vision::Codebook codebook = stored::read_codebook(snapshot);
   EXPECT_EQ(report.patches, table.size());
+  EXPECT_EQ(snapshot.column_element(table.clips[0], "patch.words"), GetParam() <= 256 ? 81 : 162);
   const auto variants = settings.variants();
   // The slow twin: each patch described by itself, flipped ones in the flipped frame.
   std::size_t same = 0, points = 0, flipped_same = 0, flipped_points = 0;
@@ -38,8 +45,9 @@ TEST(IndexBuilder, GivesEveryPatchTheWordsOfItsOwnPixels) {
         vision::dense_sift(frame, {table.x[row], table.y[row]}, vision::kGridSide, vision::kGridSide);
     vision::WordMap words;
     vision::assign_words(codebook, grid.values, words);
+    const vision::WordMap kept = table.words[row];
     for (std::size_t point = 0; point < words.size(); ++point) {
-      (variant.flip ? flipped_same : same) += words[point] == table.words[row][point];
+      (variant.flip ? flipped_same : same) += words[point] == kept[point];
       ++(variant.flip ? flipped_points : points);
     }
   }
@@ -48,6 +56,34 @@ TEST(IndexBuilder, GivesEveryPatchTheWordsOfItsOwnPixels) {
   EXPECT_EQ(same, points);
   // Mirrored descriptors may differ by a unit, which can tip a word that stands between two.
   EXPECT_GT(static_cast<double>(flipped_same), 0.98 * static_cast<double>(flipped_points));
+}
+
+INSTANTIATE_TEST_SUITE_P(OfOneByteAndOfTwo, WordsOfAStore, testing::Values(40, 256, 257, 500));
+
+// Searched exactly and by FLANN's trees from the store.
+TEST(IndexBuilder, BuildsWhatFindsPatchesByTheirWordsOfTwoBytes) {
+  const ScratchFolder folder;
+  vision::Settings settings = made_settings();
+  settings.codebook.words = 500;
+  store::Store store = made_store(folder.path() / "a.store", some_clips(), settings);
+  build_index(store);
+  const SearchBase exact = open_search(store.snapshot());
+  const SearchBase trees = open_search(
+      store.snapshot(), {.flann = FlannKind::kHierarchical, .flann_options = {.checks = 1 << 20}});
+  std::vector<PieceQuery> queries;
+  for (stored::Row row = 0; row < exact.table.size(); row += 50)
+    queries.push_back(whole_query(exact.table.words[row]));
+  const auto found = exact.index->search(queries, 20), by_trees = trees.index->search(queries, 20);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    std::vector<ScoredPatch> all;
+    for (stored::Row row = 0; row < exact.table.size(); ++row)
+      all.push_back({row, static_cast<std::uint32_t>(
+                              vision::intersection(queries[i].words, exact.table.words[row], 500))});
+    std::sort(all.begin(), all.end(), better);
+    all.resize(20);
+    EXPECT_EQ(found[i], all);
+    EXPECT_EQ(by_trees[i].front(), all.front());
+  }
 }
 
 TEST(IndexBuilder, GivesTheSameDigestForAnyOrderAndAnyNumberOfThreads) {
@@ -151,6 +187,28 @@ TEST(PatchTable, AsksForAnIndexWhenThereIsNone) {
   const std::string fault =
       fault_of(ErrorKind::kNotFound, [&] { stored::read_patch_table(store.snapshot()); });
   EXPECT_NE(fault.find("freshet index"), std::string::npos);
+}
+
+TEST(PatchTable, RefusesWordsOfAnotherWidthByName) {
+  const ScratchFolder folder;
+  for (const int words : {40, 500}) {
+    vision::Settings settings = made_settings();
+    settings.codebook.words = words;
+    store::Store store = made_store(folder.path() / fmt::format("{}.store", words), some_clips(), settings);
+    build_index(store);
+    const std::string digest = store.snapshot().digest();
+    const store::ClipId clip = store.snapshot().clips()[1];
+    const vision::OwnWordMaps other(3 - vision::word_bytes(words), store.snapshot().clip(clip).rows);
+    const store::Store::Column column = stored::kPatchWords.column(clip, other);
+    store.write({}, std::span(&column, 1));
+    const std::string fault =
+        fault_of(ErrorKind::kDamaged, [&] { stored::read_patch_table(store.snapshot()); });
+    for (const std::string& part : {store.snapshot().clip(clip).name, std::string("patch.words"),
+                                    std::string("162"), std::string("index --rebuild")})
+      EXPECT_NE(fault.find(part), std::string::npos) << fault;
+    build_index(store, {.rebuild = true});
+    EXPECT_EQ(store.snapshot().digest(), digest);
+  }
 }
 
 TEST(PatchTable, RefusesPatchesBeyondTheirFrame) {

@@ -17,13 +17,20 @@ struct RandomWordsOptions {
   std::uint64_t seed = 1;
 };
 
-inline std::vector<vision::WordMap> random_words(const RandomWordsOptions& options) {
+/// As many bytes a word as a codebook of so many words asks for.
+inline vision::OwnWordMaps packed(std::span<const vision::WordMap> maps, int words) {
+  vision::OwnWordMaps rows(vision::word_bytes(words), maps.size());
+  for (std::size_t row = 0; row < maps.size(); ++row) rows.set(row, maps[row]);
+  return rows;
+}
+
+inline vision::OwnWordMaps random_words(const RandomWordsOptions& options) {
   std::mt19937_64 random(options.seed);
   const auto random_map = [&] {
     // A few words per map, as in textures.
     vision::WordMap map;
-    std::array<std::uint8_t, 12> few;
-    for (auto& word : few) word = static_cast<std::uint8_t>(random() % options.words);
+    std::array<vision::Word, 12> few;
+    for (auto& word : few) word = static_cast<vision::Word>(random() % options.words);
     for (auto& word : map) word = few[random() % few.size()];
     return map;
   };
@@ -38,11 +45,11 @@ inline std::vector<vision::WordMap> random_words(const RandomWordsOptions& optio
     map = centres[random() % centres.size()];
     for (auto& word : map) {
       if (static_cast<double>(random() % 1000) < 1000 * options.noise) {
-        word = static_cast<std::uint8_t>(random() % options.words);
+        word = static_cast<vision::Word>(random() % options.words);
       }
     }
   }
-  return maps;
+  return packed(maps, options.words);
 }
 
 inline PieceQuery whole(const vision::WordMap& words) {
@@ -51,9 +58,8 @@ inline PieceQuery whole(const vision::WordMap& words) {
   return query;
 }
 
-inline std::vector<ScoredPatch> brute_force(std::span<const vision::WordMap> rows, int words,
-                                            const PieceQuery& query, std::size_t k,
-                                            const RowFilter* filter = nullptr) {
+inline std::vector<ScoredPatch> brute_force(vision::WordMaps rows, int words, const PieceQuery& query,
+                                            std::size_t k, const RowFilter* filter = nullptr) {
   std::vector<ScoredPatch> scored_patches;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     if (filter != nullptr && !filter->allows(row)) continue;
