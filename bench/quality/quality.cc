@@ -36,8 +36,11 @@
 #include "bench/quality/quality_method.h"
 #include "bench/quality/quality_page.h"
 #include "bench/quality/quality_report.h"
+#include "bench/quality/quality_retrieval.h"
 #include "bench/quality/quality_rivals.h"
 #include "freshet/error.h"
+#include "query/index/exact_index.h"
+#include "query/index/index_builder.h"
 #include "query/index/search_base.h"
 #include "query/labelling/label_request.h"
 #include "query/labelling/shares.h"
@@ -58,7 +61,8 @@ struct Asked {
   std::vector<std::string> clips;
   std::string class_name;
   std::vector<std::filesystem::path> held_out;
-  std::size_t limit = 0;  // of clips; 0: none
+  std::size_t limit = 0;   // of clips; 0: none
+  std::vector<int> words;  // of codebooks made here
   bench::CaseOptions sizes;
   int frames_made = 0;  // at least; beyond the truth's only reversals are measured
   bool loop = false;
@@ -289,6 +293,38 @@ class Trial {
   std::map<std::string, Labelled> labelled_;  // by all that labels depend on
 };
 
+/// What is found of a still among all other clips, of any class, when nothing is said.
+bench::RetrievedCase retrieved(const store::Snapshot& snapshot, const query::SearchBase& base,
+                               const bench::Case& clip) {
+  query::LabelOptions options;
+  options.candidates.excluded_clips = clip.same_scene;
+  const double start = bench::process_seconds();
+  query::CandidateSearch search = query::search_candidates(snapshot, base, clip.still, clip.matte, options);
+  bench::RetrievedCase found;
+  found.search_cpu_s = bench::process_seconds() - start;
+  found.pieces = search.target.size();
+  std::vector<bool> same_class;
+  for (const store::ClipId id : base.table.clips)
+    same_class.push_back(snapshot.clip(id).class_name == clip.class_name);
+  std::vector<std::vector<stored::Row>> best, chosen;
+  for (std::size_t piece = 0; piece < found.pieces; ++piece) {
+    const auto rows = search.candidates.rows_of(piece);
+    const auto count = std::min(rows.size(), static_cast<std::size_t>(options.candidates.k));
+    best.emplace_back(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count));
+    found.likeness += search.candidates.scores_of(piece).front() / static_cast<double>(found.pieces);
+  }
+  const query::Labelling labelling = query::label(snapshot, std::move(search), options);
+  for (std::size_t piece = 0; piece < found.pieces; ++piece)
+    chosen.push_back({labelling.search.candidates.rows_of(piece)[labelling.labels[piece]]});
+  const auto told = [&](const std::vector<std::vector<stored::Row>>& rows) {
+    return bench::retrieval_of(labelling.search.target, base.table, rows, same_class, clip.motion,
+                               clip.matte);
+  };
+  found.best = told(best);
+  found.labels = told(chosen);
+  return found;
+}
+
 void write_json(const Asked& asked, const std::vector<bench::Judged>& judged) {
   nlohmann::json json = bench::to_json(judged);
   json["machine"] = bench::to_json(bench::this_machine());
@@ -325,6 +361,31 @@ void add_references(const bench::Case& clip, std::vector<bench::Judged>& judged)
   add("floor", clip.frozen, whole);
 }
 
+/// A codebook of so many words of the same clips, and the stills that are searched by it.
+struct TriedWords {
+  query::SearchBase base;
+  std::string cost;
+  std::vector<bench::RetrievedCase> cases{};
+};
+TriedWords try_words(store::Store& store, int words) {
+  TriedWords tried{query::open_search(store.snapshot()), {}};
+  const double start = bench::process_seconds();
+  tried.base.settings.codebook.words = words;
+  query::TriedCodebook made = query::try_codebook(store, tried.base.settings.codebook);
+  const double assigned = bench::process_seconds();
+  tried.base.codebook = std::move(made.codebook);
+  tried.base.table.words = std::move(made.words);
+  auto index = std::make_unique<query::ExactIndex>(tried.base.table.words, tried.base.codebook.words);
+  const double rows = static_cast<double>(std::max<std::size_t>(1, index->rows()));
+  tried.cost =
+      fmt::format("{} words: made in {:.1f} s of CPU, index {:.2f}; {:.0f} bytes a patch, {} of them words",
+                  tried.base.codebook.words, assigned - start, bench::process_seconds() - assigned,
+                  static_cast<double>(index->bytes() + tried.base.table.words.bytes().size()) / rows,
+                  tried.base.table.words.row_bytes());
+  tried.base.index = std::move(index);
+  return tried;
+}
+
 int run(const Asked& asked) {
   check_measures();
   std::vector<bench::NamedHint> hints;
@@ -334,13 +395,17 @@ int run(const Asked& asked) {
   if (!asked.html.empty()) std::filesystem::create_directories(asked.html);
 
   const double start = bench::wall_seconds();
-  const store::Snapshot snapshot = store::Store::open_read(asked.store).snapshot();
+  store::Store store = store::Store::open_read(asked.store);
+  const store::Snapshot snapshot = store.snapshot();
   const query::SearchBase base = query::open_search(snapshot);
+  std::vector<TriedWords> tried;
+  for (const int words : asked.words) tried.push_back(try_words(store, words));
   const std::vector<Chosen> clips = chosen_clips(snapshot, asked);
   fmt::print("{}\n{} {}clips; stills of {} px, {} frames at most{}\n\n",
              bench::to_string(bench::this_machine()), clips.size(), asked.held_out.empty() ? "" : "held-out ",
              asked.sizes.width, asked.sizes.frames, asked.set.empty() ? "" : "; " + asked.set);
   std::vector<bench::Judged> judged;
+  std::vector<bench::RetrievedCase> cases;
   for (std::size_t c = 0; c < clips.size(); ++c) {
     std::string why;
     const auto clip = bench::make_case(clips[c].read(), base.settings, why);
@@ -350,6 +415,8 @@ int run(const Asked& asked) {
     if (!clip->same_scene.empty() && clip->same_scene != std::vector{clip->name})
       fmt::print(stderr, "  left out together: {}\n", fmt::join(clip->same_scene, ", "));
     if (clip->strokes.empty()) fmt::print(stderr, "  nothing flows: no strokes\n");
+    cases.push_back(retrieved(snapshot, base, *clip));
+    for (TriedWords& one : tried) one.cases.push_back(retrieved(snapshot, one.base, *clip));
     add_references(*clip, judged);
     if (!asked.films.empty()) bench::write_film(asked.films, *clip, "real", clip->truth);
     Trial trial(snapshot, base, asked, *clip);
@@ -371,8 +438,9 @@ int run(const Asked& asked) {
     if (!asked.html.empty()) bench::write_page(asked.html, judged, "Animated stills beside what was filmed");
     if (!asked.json_path.empty()) write_json(asked, judged);
   }
-  fmt::print("{}\n{}\n{}", bench::clip_table(judged), bench::summary_table(judged),
-             bench::agreement_table(bench::agreements(judged)));
+  fmt::print("{}\n{}\n{}{}", bench::clip_table(judged), bench::summary_table(judged),
+             bench::agreement_table(bench::agreements(judged)), bench::retrieval_table(cases));
+  for (const TriedWords& one : tried) fmt::print("\n{}\n{}", one.cost, bench::retrieval_table(one.cases));
   fmt::print("\n{:.0f} s, {:.0f} s of CPU\n", bench::wall_seconds() - start, bench::process_seconds());
   return 0;
 }
@@ -397,6 +465,10 @@ int main(int argc, char** argv) {
   app.option("--class", asked.class_name, "Only clips of this class [all]");
   app.option("--held-out", asked.held_out, "Judge these videos or folders of videos, not the store's clips");
   app.option("--limit", asked.limit, "Only so many clips, class by class in turn [all]");
+  app.option("--words", asked.words,
+             "Search by codebooks of so many words too, made here: what looks alone tell")
+      .between(2, vision::kMaxWords)
+      .split_at(',');
   app.option("--width", asked.sizes.width, "Longer side that a clip is reduced to, px").between(64, 8192);
   app.option("--frames", asked.sizes.frames, "Frames to animate; no more than the clip has")
       .between(24, 1000);

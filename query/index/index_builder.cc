@@ -54,6 +54,14 @@ class Build {
     report_.clips = clips_.size();
   }
 
+  TriedCodebook tried(const vision::CodebookOptions& codebook) {
+    settings_.codebook = codebook;
+    TriedCodebook made{train(sample()), {}};
+    assign(made.codebook);
+    made.words = rows().words;
+    return made;
+  }
+
   IndexReport run() {
     if (report_.patches == 0) {
       throw Error(ErrorKind::kNotFound, store_.path().string(), "the store holds no patches",
@@ -304,6 +312,12 @@ class Build {
 IndexReport build_index(store::Store& store, const IndexOptions& options, const ProgressFunction& progress,
                         std::stop_token stop) {
   return Build(store, options, progress, std::move(stop)).run();
+}
+
+TriedCodebook try_codebook(store::Store& store, const vision::CodebookOptions& options) {
+  const IndexOptions plain;
+  const ProgressFunction silent;
+  return Build(store, plain, silent, {}).tried(options);
 }
 
 store::Rebuildable rebuildable() {

@@ -10,6 +10,8 @@
 #include "query/index/flann_index.h"
 #include "store/rewrite/contents.h"
 #include "store/store.h"
+#include "vision/codebook.h"
+#include "vision/spatial_pyramid.h"
 
 namespace freshet::query {
 
@@ -60,6 +62,14 @@ struct IndexReport {
 ///             index, the dense histograms.
 IndexReport build_index(store::Store& store, const IndexOptions& options = {},
                         const ProgressFunction& progress = {}, std::stop_token stop = {});
+
+/// The codebook and the words of all patches, a row each as in stored::PatchTable, that build_index would make of a
+/// store whose settings had these options. Nothing is written: for trying codebooks.
+struct TriedCodebook {
+  vision::Codebook codebook;
+  vision::OwnWordMaps words;
+};
+TriedCodebook try_codebook(store::Store& store, const vision::CodebookOptions& options);
 
 /// What of a store build_index makes, by name: a store whose clips change is better without it.
 store::Rebuildable rebuildable();

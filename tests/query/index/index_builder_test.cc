@@ -181,6 +181,21 @@ TEST(IndexBuilder, SaysThatThereIsNothingToIndex) {
   }
 }
 
+TEST(TryCodebook, GivesWhatAStoreOfSuchWordsHoldsAndWritesNothing) {
+  const ScratchFolder folder;
+  vision::Settings settings = made_settings();
+  store::Store store = made_store(folder.path() / "a.store", some_clips(), settings);
+  build_index(store);
+  const std::string digest = store.snapshot().digest();
+  settings.codebook.words = 300;
+  store::Store other = made_store(folder.path() / "b.store", some_clips(), settings);
+  build_index(other);
+  const TriedCodebook tried = try_codebook(store, settings.codebook);
+  EXPECT_EQ(tried.codebook.centres, stored::read_codebook(other.snapshot()).centres);
+  EXPECT_EQ(tried.words, stored::read_patch_table(other.snapshot()).words);
+  EXPECT_EQ(store.snapshot().digest(), digest);
+}
+
 TEST(PatchTable, AsksForAnIndexWhenThereIsNone) {
   const ScratchFolder folder;
   store::Store store = made_store(folder.path() / "a.store", some_clips());
