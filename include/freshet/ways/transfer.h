@@ -54,7 +54,8 @@ struct TransferReport {
 
 /// Hands every frame to `sink`, in order: CV_32FC4 BGRA, 0..1, straight alpha, valid during the call.
 /// Throws  Error{kInput} naming the file: missing, unreadable, of another size than the first, without fluid;
-///         Error{kUsage} for an option out of range, or one that asks for what the look lacks, Error{kCancelled}, and what the sink throws.
+///         Error{kUsage} for an option out of range, or one that asks for what the look lacks; Error{kCancelled}, and
+///         what the sink throws.
 ///         Same input and options, same bytes, for any number of threads.
 TransferReport transfer(const Design& design, const Look& look,
                         const std::function<void(const cv::Mat& bgra)>& sink,

@@ -51,7 +51,7 @@ export function Transport(): JSX.Element {
     player.playing.value = false;
     player.seek(Math.round(to * (total - 1)));
   };
-  const size = film ? "Film" : reel && (reel.news.stage !== "full" ? "First look" : `${reel.news.width} × ${reel.news.height}`);
+  const size = film ? "Film" : reel && (reel.news.stage === "small" ? "First look" : `${reel.news.width} × ${reel.news.height}`);
   return (
     <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")} data-reel={reel?.news.number ?? 0}>
       {takesShown.value && !film && !state.showsLayers.value && <TakesStrip />}
