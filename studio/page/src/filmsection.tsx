@@ -33,8 +33,8 @@ export async function runKept(id: string, name: string): Promise<void> {
   await api.runWay(id, name);
 }
 
-/** live   it moves without a film. stale   and is newer than the film: it is shown in its place. */
-export function FilmSection({ name, way, ready, live = false, stale = false }: { name: string; way: Way | null; ready: boolean; live?: boolean; stale?: boolean }): JSX.Element {
+/** live   it moves without a film. stale   and is newer than the film: it is shown in its place. said   a fault that stands above. */
+export function FilmSection({ name, way, ready, live = false, stale = false, said = "" }: { name: string; way: Way | null; ready: boolean; live?: boolean; stale?: boolean; said?: string }): JSX.Element {
   const id = state.project.value?.id ?? "";
   const [fault, setFault] = useState("");
   const [past, setPast] = useState(0); // the job that was the last when the document changed
@@ -42,6 +42,7 @@ export function FilmSection({ name, way, ready, live = false, stale = false }: {
   const job = wayJob(id, name);
   const runs = job?.state === "running" || job?.state === "waiting";
   const lacks = way?.lacks.replace(/^[^:]*: /, "") ?? "";
+  const problem = fault || (job?.state === "failed" && job.id !== past ? job.fault : "");
   const source = way?.film ? api.address.film(id, name, way.film) : null;
   useEffect(() => {
     view.film.value = stale ? null : source;
@@ -80,7 +81,7 @@ export function FilmSection({ name, way, ready, live = false, stale = false }: {
       {(source || live) && <Switch label="Show what is drawn" checked={view.drawn.value} onChange={(yes) => (view.drawn.value = yes)} />}
       {runs && job && <Running job={job} label="Film" words={stageWords(job.stage)} />}
       {lacks && <p class="hint">{lacks}</p>}
-      {(fault || (job?.state === "failed" && job.id !== past)) && <p class="problem">{fault || job?.fault}</p>}
+      {problem && problem !== said && <p class="problem">{problem}</p>}
       {way?.commands.map((line) => <CommandLine key={line} text={line} />)}
     </Section>
   );

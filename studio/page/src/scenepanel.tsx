@@ -46,7 +46,7 @@ export function ScenePanel({ document }: { document: Document }): JSX.Element {
         <>
           <WindSection scene={scene} />
           {layersProblem.value && !way?.lacks && <p class="problem section">{layersProblem.value}</p>}
-          <FilmSection name={kWay} way={way} ready={true} live={!!liveLayers.reel.value} stale={film !== "" && kept !== kFilmed.get(film)} />
+          <FilmSection name={kWay} way={way} ready={true} live={!!liveLayers.reel.value} stale={film !== "" && kept !== kFilmed.get(film)} said={way?.lacks ? "" : layersProblem.value} />
           {way?.made && way.shown[0] && (
             <Section title="What was understood">
               <img class="sheet" src={api.address.wayFile(id, kWay, way.shown[0], way.made)} alt="The layers, their lines, and the water's plane" />
