@@ -415,7 +415,7 @@ int run(const Asked& asked) {
     if (!clip->same_scene.empty() && clip->same_scene != std::vector{clip->name})
       fmt::print(stderr, "  left out together: {}\n", fmt::join(clip->same_scene, ", "));
     if (clip->strokes.empty()) fmt::print(stderr, "  nothing flows: no strokes\n");
-    cases.push_back(retrieved(snapshot, base, *clip));
+    if (!tried.empty()) cases.push_back(retrieved(snapshot, base, *clip));
     for (TriedWords& one : tried) one.cases.push_back(retrieved(snapshot, one.base, *clip));
     add_references(*clip, judged);
     if (!asked.films.empty()) bench::write_film(asked.films, *clip, "real", clip->truth);
@@ -438,8 +438,9 @@ int run(const Asked& asked) {
     if (!asked.html.empty()) bench::write_page(asked.html, judged, "Animated stills beside what was filmed");
     if (!asked.json_path.empty()) write_json(asked, judged);
   }
-  fmt::print("{}\n{}\n{}{}", bench::clip_table(judged), bench::summary_table(judged),
-             bench::agreement_table(bench::agreements(judged)), bench::retrieval_table(cases));
+  fmt::print("{}\n{}\n{}", bench::clip_table(judged), bench::summary_table(judged),
+             bench::agreement_table(bench::agreements(judged)));
+  if (!tried.empty()) fmt::print("{}", bench::retrieval_table(cases));
   for (const TriedWords& one : tried) fmt::print("\n{}\n{}", one.cost, bench::retrieval_table(one.cases));
   fmt::print("\n{:.0f} s, {:.0f} s of CPU\n", bench::wall_seconds() - start, bench::process_seconds());
   return 0;
@@ -466,7 +467,7 @@ int main(int argc, char** argv) {
   app.option("--held-out", asked.held_out, "Judge these videos or folders of videos, not the store's clips");
   app.option("--limit", asked.limit, "Only so many clips, class by class in turn [all]");
   app.option("--words", asked.words,
-             "Search by codebooks of so many words too, made here: what looks alone tell")
+             "What looks alone tell, by the store's codebook and by others of so many words, made here")
       .between(2, vision::kMaxWords)
       .split_at(',');
   app.option("--width", asked.sizes.width, "Longer side that a clip is reduced to, px").between(64, 8192);

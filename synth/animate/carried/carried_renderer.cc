@@ -34,10 +34,9 @@ constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
 // Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the
-// root of s has its variance. Fine bands take the guess: what stands falsely is seen as a veil. From this level on (32
-// px) the light and dark of a scene are to stay as strong as they are.
-constexpr double kWideLevel = 3;
-constexpr std::size_t kWideLayoutLevel = 3;    // 16 px
+// root of s has its variance. Fine bands take the guess: what stands falsely is seen as a veil. From this level on (16
+// to 32 px) the light and dark of a scene are to stay as strong as they are.
+constexpr std::size_t kWideLevel = 3;
 constexpr float kLively = 0.25f;               // of the fastest places' speed: what is slower is renewed less
 constexpr double kFast = 0.95, kUsual = 0.75;  // quantiles of the fluid's speed
 constexpr double kLifePatch_px = 48;           // over which the picture's detail lives and goes together
@@ -244,7 +243,7 @@ class CarriedRenderer final : public Renderer {
     std::vector<cv::Mat> shares =
         layout_shares(animation_.snapshot, animation_.placement,
                       std::max(1, vision::levels_within(still_.target.size(), options_.contrast.levels)));
-    for (std::size_t level = kWideLayoutLevel; level < shares.size(); ++level)
+    for (std::size_t level = kWideLevel; level < shares.size(); ++level)
       shares[level] *= options_.wide_layout;
     for (cv::Mat& share : shares)
       share = canvas.sampled(lattice.over_canvas(share, kShareReach), field_->step(), field_->size());
