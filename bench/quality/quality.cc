@@ -198,8 +198,9 @@ class Trial {
     const Labelled& labels = labelled(hint, method);
     judged.label_s = bench::wall_seconds() - start;
     synth::animate::AnimateOptions options = method.animate;
-    if (auto* const forms = std::get_if<synth::animate::FormsOptions>(&options.method); forms && !method.own)
-      forms->excluded = case_.same_scene;
+    auto* forms = std::get_if<synth::animate::FormsOptions>(&options.method);
+    if (forms == nullptr && options.for_fires) forms = &*options.for_fires;
+    if (forms != nullptr && !method.own) forms->excluded = case_.same_scene;
     options.frames = std::max(static_cast<int>(case_.truth.size()), asked_.loop ? 0 : asked_.frames_made);
     options.fps = case_.fps;
     options.loop = asked_.loop;

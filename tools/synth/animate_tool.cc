@@ -31,6 +31,9 @@ void say_forms(const store::Snapshot& snapshot, const synth::animate::AnimateRep
   if (report.by_itself)
     say("a fire: its own flames move as light, over the ground, which stands. --method carried moves all of "
         "the matte");
+  if (report.tongues > 0)
+    say(fmt::format("flames of one tongue: {}, which sway in one piece as that of {}", report.tongues,
+                    snapshot.clip(report.sways_as).name));
   for (const synth::animate::ShownForm& form : report.forms)
     say(fmt::format("forms of {} from frame {} on, fit {:.2f}", snapshot.clip(form.clip).name, form.first,
                     form.fit));
@@ -82,35 +85,38 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
     for (const std::string& path : files) fmt::print("{}\n", path);
     return;
   }
-  fmt::print("{}\n", nlohmann::json{{"files", files},
-                                    {"frames", inputs.options.frames},
-                                    {"width", inputs.loaded.picture.cols},
-                                    {"height", inputs.loaded.picture.rows},
-                                    {"fps", inputs.options.fps},
-                                    {"method", report.method},
-                                    {"by_itself", report.by_itself},
-                                    {"flames", report.flames},
-                                    {"forms", forms_json(snapshot, report)},
-                                    {"forms_fit", report.forms_fit},
-                                    {"forms_lack", report.forms_lack},
-                                    {"pieces", report.pieces},
-                                    {"clips", report.clips},
-                                    {"batches", report.batches},
-                                    {"half_life_s", report.half_life_s},
-                                    {"renewed", report.renewed},
-                                    {"labelling", chosen.labelled},
-                                    {"shares", shares_json(chosen.assignment)},
-                                    {"looks_like", to_json(chosen.kind)},
-                                    {"verdict", verdict},
-                                    {"takes", takes},
-                                    {"seconds",
-                                     {{"decode", report.decode_s},
-                                      {"blend", report.blend_s},
-                                      {"base", report.base_s},
-                                      {"match", report.appearance_s},
-                                      {"render", report.render_s},
-                                      {"total", report.total_s}}}}
-                         .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  fmt::print("{}\n",
+             nlohmann::json{{"files", files},
+                            {"frames", inputs.options.frames},
+                            {"width", inputs.loaded.picture.cols},
+                            {"height", inputs.loaded.picture.rows},
+                            {"fps", inputs.options.fps},
+                            {"method", report.method},
+                            {"by_itself", report.by_itself},
+                            {"flames", report.flames},
+                            {"forms", forms_json(snapshot, report)},
+                            {"forms_fit", report.forms_fit},
+                            {"forms_lack", report.forms_lack},
+                            {"tongues", report.tongues},
+                            {"sways_as", report.tongues > 0 ? snapshot.clip(report.sways_as).name : ""},
+                            {"pieces", report.pieces},
+                            {"clips", report.clips},
+                            {"batches", report.batches},
+                            {"half_life_s", report.half_life_s},
+                            {"renewed", report.renewed},
+                            {"labelling", chosen.labelled},
+                            {"shares", shares_json(chosen.assignment)},
+                            {"looks_like", to_json(chosen.kind)},
+                            {"verdict", verdict},
+                            {"takes", takes},
+                            {"seconds",
+                             {{"decode", report.decode_s},
+                              {"blend", report.blend_s},
+                              {"base", report.base_s},
+                              {"match", report.appearance_s},
+                              {"render", report.render_s},
+                              {"total", report.total_s}}}}
+                 .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 /// Says what was assumed and what looks worst; the whole verdict for a program. Null for a film too short, or too

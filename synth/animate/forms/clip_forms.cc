@@ -72,7 +72,7 @@ double beats_as_one(const std::vector<cv::Mat>& levels) {
   return all > 0 ? shares.at<float>(0) / all : 0;
 }
 
-ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip) {
+ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip, std::uint32_t most) {
   const stored::ClipFrames frames(snapshot, clip);
   ClipForms forms{.clip = clip,
                   .source = {frames.layout().width, frames.layout().height},
@@ -87,7 +87,7 @@ ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip) {
       std::max(1.0, std::max(forms.source.width, forms.source.height) / static_cast<double>(kFormSamples));
   const cv::Size size(std::max(1, static_cast<int>(std::lround(forms.source.width / forms.by))),
                       std::max(1, static_cast<int>(std::lround(forms.source.height / forms.by))));
-  const std::uint32_t count = std::min(frames.size(), kMaxFormFrames);
+  const std::uint32_t count = std::min(frames.size(), most);
   forms.levels.resize(count);
   for (std::uint32_t first = 0; first < count; first += kSlab) {
     const std::vector<cv::Mat> slab = frames.read_luma(first, std::min(kSlab, count - first));

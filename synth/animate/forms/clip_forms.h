@@ -28,11 +28,10 @@ struct ClipForms {
       seats;  // of the mean, in samples; where there are several, all of them together come last
 };
 
-/// Frames are read once, in slabs; at most kMaxFormFrames of them. Samples are so many that the longer side has
+/// Frames are read once, in slabs; at most `most` of them. Samples are so many that the longer side has
 /// kFormSamples. Throws Error{kDamaged} as stored::ClipFrames.
-ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip);
+ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip, std::uint32_t most);
 inline constexpr int kFormSamples = 224;
-inline constexpr std::uint32_t kMaxFormFrames = 480;
 
 /// Share of the variance over time that its first principal component has, 0..1. Of flames, whose tongues burn each for
 /// itself, .1 to .4; a candle's glass, or a wall, is lit as a whole: .5 and more.

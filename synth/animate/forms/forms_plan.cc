@@ -1,12 +1,14 @@
 #include "synth/animate/forms/forms_plan.h"
 
 #include <algorithm>
+#include <cstdint>
 
 #include <fmt/format.h>
 
 namespace freshet::synth::animate {
 namespace {
 
+constexpr std::uint32_t kMostFormFrames = 480;  // of a clip that are looked at
 constexpr double kMostShare = 0.75;  // where more of the fluid shines, flames are no light over a ground
 constexpr double kWallTop = 0.08,
                  kWallSides = 0.04;  // of the picture: a fire that meets these has no form of its own
@@ -47,7 +49,7 @@ FormsPlan plan_forms(const store::Snapshot& snapshot, int flow_step, const cv::M
       if (forms.size() == kFormsClips) break;
       // A form begins at the latest a third into a clip that is short (choose_forms).
       if (plays(snapshot, clip, snapshot.clip(clip).frame_count / 3, playing))
-        forms.push_back(clip_forms(snapshot, clip));
+        forms.push_back(clip_forms(snapshot, clip, kMostFormFrames));
     }
     plan.forms = choose_forms(plan.still, forms, playing.frames / playing.fps * playing.speed);
     for (const ChosenForm& form : plan.forms) plan.clips.push_back(forms[form.clip].clip);

@@ -105,9 +105,12 @@ std::unique_ptr<Renderer> of_own(Animation& animation, const StillPart& still, P
                                  const FormsOptions& options) {
   animation.report.method = "forms";
   animation.report.flames = "own";
-  return own_flames(
-      animation, still, std::move(parted),
-      {.carried = options.carried, .handover_s = options.handover_s, .lighting = options.lighting});
+  return own_flames(animation, still, std::move(parted),
+                    {.carried = options.carried,
+                     .handover_s = options.handover_s,
+                     .lighting = options.lighting,
+                     .clips = clips_of(animation, options),
+                     .pace = mean_speed(animation.placement)});
 }
 
 bool places_fire(const Animation& animation) {

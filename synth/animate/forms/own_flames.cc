@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,9 @@
 #include "synth/animate/forms/handed_frame.h"
 #include "synth/animate/forms/light_level.h"
 #include "synth/animate/forms/lit_ground.h"
+#include "synth/animate/forms/tongues.h"
+#include "synth/animate/still/colour_model.h"
+#include "synth/sampling/pull_push.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -22,6 +27,9 @@ constexpr float kBehind = 0.6f;       // levels that flames lose behind what may
 constexpr double kBelow = 0.012;      // of the same: over which light ends below the bed
 constexpr double kWideLayout = 0.3;   // of flames (CarriedOptions::wide_layout)
 constexpr float kShines = 0.1f;       // levels above are flames
+constexpr float kOverAll = 0.02f;     // light: of a tongue that is all there where it has so much
+constexpr double kMostly =
+    0.5;  // of all light, in tongues: what is beside them is what they light, a glass or a rim, and stands
 constexpr double kBedBeside = 0.004;  // of the same: columns that share their bed
 
 cv::Mat thrice(const cv::Mat& level) {
@@ -94,13 +102,94 @@ CarriedOptions of_flames(CarriedOptions options) {
   return options;
 }
 
+/// A tongue of the picture, as light of its own.
+struct OwnTongue {
+  Tongue tongue;
+  cv::Mat light;     // CV_32FC4, of its box: what shines, and the light of its level
+  double later = 0;  // s: where in the clip it begins, so that tongues do not sway in step
+};
+
+/// Of the first clips, the course whose flame is a tongue in most frames.
+std::optional<TongueCourse> course_like(const store::Snapshot& snapshot,
+                                        std::span<const store::ClipId> clips) {
+  std::optional<TongueCourse> best;
+  for (const store::ClipId clip : clips.first(std::min(clips.size(), kCourseClips))) {
+    std::optional<TongueCourse> course = course_of(clip_forms(snapshot, clip, kCourseFrames));
+    if (course && (!best || course->tongue > best->tongue)) best = course;
+  }
+  return best;
+}
+
+/// Light around a tongue, continued behind it: CV_32FC3, of its box, no more than is there.
+cv::Mat behind(const cv::Mat& light, const Tongue& tongue) {
+  const cv::Mat trust = 1 - tongue.share;
+  cv::Mat fill = sampling::pull_push(light, trust.mul(trust)), rest(light.size(), light.type());
+  for (int y = 0; y < light.rows; ++y)
+    for (int x = 0; x < light.cols; ++x)
+      for (int k = 0; k < 3; ++k) {
+        const float own = light.at<cv::Vec3f>(y, x)[k], share = tongue.share.at<float>(y, x);
+        rest.at<cv::Vec3f>(y, x)[k] = own - share * std::max(0.0f, own - fill.at<cv::Vec3f>(y, x)[k]);
+      }
+  return rest;
+}
+
+/// What a tongue leaves, swaying, is as light as what glows around it: its ground is continued from there. What is
+/// beside its foot is lit as it is.
+void glow_behind(PartedStill& parted, const Tongue& tongue) {
+  const cv::Mat level = parted.level(tongue.box);
+  cv::Mat ground = parted.ground(tongue.box), light = parted.light(tongue.box);
+  cv::Mat trust = cv::Mat::zeros(level.size(), CV_32F);
+  for (int y = 0; y < static_cast<int>(tongue.foot); ++y)
+    for (int x = 0; x < level.cols; ++x) trust.at<float>(y, x) = level.at<float>(y, x) > 0 ? 0.0f : 1.0f;
+  const cv::Mat fill = sampling::pull_push(ground, trust);
+  for (int y = 0; y < level.rows; ++y)
+    for (int x = 0; x < level.cols; ++x)
+      for (int k = 0; k < 3; ++k) {
+        float &under = ground.at<cv::Vec3f>(y, x)[k], &over = light.at<cv::Vec3f>(y, x)[k];
+        const float more = tongue.share.at<float>(y, x) *
+                           std::clamp(fill.at<cv::Vec3f>(y, x)[k] - under, 0.0f, std::max(0.0f, over));
+        under += more;
+        over -= more;
+      }
+}
+
+/// Takes its tongues out of what is parted.
+std::vector<OwnTongue> taken_out(PartedStill& parted, const std::vector<Tongue>& tongues,
+                                 const TongueCourse& course) {
+  std::vector<OwnTongue> out;
+  const double seconds = static_cast<double>(course.sways.size()) / course.fps;
+  for (const Tongue& tongue : tongues) {
+    OwnTongue own{.tongue = tongue,
+                  .light = cv::Mat(tongue.box.size(), CV_32FC4),
+                  .later = seconds * static_cast<double>(out.size()) / static_cast<double>(tongues.size())};
+    glow_behind(parted, tongue);
+    cv::Mat light = parted.light(tongue.box), level = parted.level(tongue.box);
+    const cv::Mat rest = behind(light, tongue), of_rest = luma_of(rest);
+    for (int y = 0; y < light.rows; ++y)
+      for (int x = 0; x < light.cols; ++x) {
+        const cv::Vec3f taken = light.at<cv::Vec3f>(y, x) - rest.at<cv::Vec3f>(y, x);
+        const float lit = light_of(level.at<float>(y, x)),
+                    less = std::clamp(of_rest.at<float>(y, x), 0.0f, lit);
+        own.light.at<cv::Vec4f>(y, x) = {taken[0], taken[1], taken[2], lit - less};
+        level.at<float>(y, x) = level_of(less);
+      }
+    rest.copyTo(light);
+    out.push_back(own);
+  }
+  return out;
+}
+
 class OwnFlames final : public Renderer {
  public:
   OwnFlames(Animation& animation, const StillPart& still, PartedStill parted, const OwnFlamesOptions& options)
       : animation_(animation),
         still_(still),
+        colours_(parted.light, parted.level),
+        ground_(parted, parted.level, kReach * std::max(still.target.cols, still.target.rows),
+                options.lighting),
         parted_(std::move(parted)),
         options_(options),
+        tongues_(found_tongues()),
         light_(light_as_still(still, parted_)),
         light_options_(of_light(animation.options)),
         inner_{.snapshot = animation.snapshot,
@@ -111,10 +200,7 @@ class OwnFlames final : public Renderer {
                .options = light_options_,
                .progress = animation.progress,
                .stop = animation.stop},
-        carried_(make_renderer(inner_, light_, of_flames(options.carried))),
-        colours_(parted_.light, parted_.level),
-        ground_(parted_, parted_.level, kReach * std::max(still.target.cols, still.target.rows),
-                options.lighting) {
+        carried_(make_renderer(inner_, light_, of_flames(options.carried))) {
     AnimateReport& report = animation_.report;
     report.clips = inner_.report.clips;
     report.half_life_s = inner_.report.half_life_s;
@@ -140,7 +226,7 @@ class OwnFlames final : public Renderer {
 
   cv::Mat finish(int output, const cv::Mat& matte) override {
     const cv::Mat fluid = carried_->finish(output, matte);
-    const float still = remaining(output);
+    const float still = rest_stands_ ? 1 : remaining(output);
     cv::Mat level(fluid.size(), CV_32F);
     for (int y = 0; y < level.rows; ++y)
       for (int x = 0; x < level.cols; ++x) {
@@ -148,21 +234,34 @@ class OwnFlames final : public Renderer {
         const float own = parted_.level.at<float>(y, x);
         const float now = f[3] > 0 ? std::clamp(f[1] / f[3], 0.0f, 1.0f) : own;
         level.at<float>(y, x) =
-            output == 0 ? own
-                        : thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
+            output == 0 || rest_stands_
+                ? own
+                : thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
       }
-    const cv::Mat more = ground_.brightening(level, output == 0 ? 0.0f : 1.0f);
+    cv::Mat swaying = cv::Mat::zeros(level.size(), CV_32FC4);
+    for (const OwnTongue& own : tongues_)
+      swaying(own.tongue.box) += swayed(own.light, own.tongue, sway(own, output));
+    cv::Mat shining = level;
+    if (!tongues_.empty()) {
+      cv::Mat of_tongues;
+      cv::extractChannel(swaying, of_tongues, 3);
+      shining = level_of(light_of(level) + of_tongues);
+    }
+    const cv::Mat more = ground_.brightening(shining, output == 0 ? 0.0f : 1.0f);
     cv::Mat frame(level.size(), CV_32FC3);
     for (int y = 0; y < frame.rows; ++y)
       for (int x = 0; x < frame.cols; ++x) {
         const cv::Vec3f picture = still_.target.at<cv::Vec3f>(y, x);
-        const float share = matte.at<float>(y, x);
+        const cv::Vec4f& tongue = swaying.at<cv::Vec4f>(y, x);
+        // A tongue sways over what lies beside the matte, too.
+        const float share = std::max(matte.at<float>(y, x), std::min(1.0f, tongue[3] / kOverAll));
         cv::Vec3f& to = frame.at<cv::Vec3f>(y, x) = picture;
         if (share <= 0 || output == 0) continue;
         // Where light has gone on, none of its own colour stays behind: it would be blue on white.
         const float now = level.at<float>(y, x), before = parted_.level.at<float>(y, x);
         const float kept = now < before ? light_of(now) / light_of(before) : 1.0f;
-        const cv::Vec3f flame = colours_.at(now) + still * kept * kept * own_.at<cv::Vec3f>(y, x);
+        const cv::Vec3f flame = colours_.at(now) + still * kept * kept * own_.at<cv::Vec3f>(y, x) +
+                                cv::Vec3f(tongue[0], tongue[1], tongue[2]);
         const cv::Vec3f& ground = parted_.ground.at<cv::Vec3f>(y, x);
         for (int k = 0; k < 3; ++k) {
           const float code = level_of(std::max(0.0f, more.at<float>(y, x) * ground[k] + flame[k]));
@@ -173,6 +272,26 @@ class OwnFlames final : public Renderer {
   }
 
  private:
+  std::vector<OwnTongue> found_tongues() {
+    const std::vector<Tongue> tongues = tongues_of(parted_.level);
+    if (tongues.empty()) return {};
+    course_ = course_like(animation_.snapshot, options_.clips);
+    if (!course_) return {};
+    animation_.report.tongues = tongues.size();
+    animation_.report.sways_as = course_->clip;
+    double part = 0;
+    for (const Tongue& tongue : tongues) part += tongue.part;
+    rest_stands_ = part > kMostly;
+    return taken_out(parted_, tongues, *course_);
+  }
+
+  /// Upright at frame 0, and at the end of a loop.
+  Sway sway(const OwnTongue& own, int output) const {
+    const Sway of_clip = course_->at(own.later + options_.pace * output / animation_.options.fps);
+    const double going = 1 - remaining(output);
+    return {going * of_clip.lean, going * of_clip.bow, 1 + going * (of_clip.stretch - 1)};
+  }
+
   /// Of what the picture's light has beside the colour of its level, how much is left: 1 at frame 0, to 0.
   float remaining(int output) const {
     const FrameOptions& options = animation_.options;
@@ -183,14 +302,17 @@ class OwnFlames final : public Renderer {
 
   Animation& animation_;
   const StillPart& still_;
-  const PartedStill parted_;
+  LightColours colours_;
+  LitGround ground_;
+  PartedStill parted_;  // less its tongues
   const OwnFlamesOptions options_;
+  std::optional<TongueCourse> course_;
+  bool rest_stands_ = false;
+  const std::vector<OwnTongue> tongues_;
   const StillPart light_;
   const FrameOptions light_options_;
   Animation inner_;
   std::unique_ptr<Renderer> carried_;
-  LightColours colours_;
-  LitGround ground_;
   cv::Mat own_;    // CV_32FC3: the light less the colour of its level
   cv::Mat reach_;  // CV_32F, 0..1: near the picture's flames
 };

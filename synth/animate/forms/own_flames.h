@@ -1,8 +1,11 @@
 // synth/animate/forms/own_flames.h — the picture's own flames, carried as light over the ground, which stands.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
+#include "store/store.h"
 #include "synth/animate/carried/carried_renderer.h"
 #include "synth/animate/forms/parted_still.h"
 #include "synth/animate/frames/animation.h"
@@ -15,14 +18,21 @@ struct OwnFlamesOptions {
   CarriedOptions carried{};  // how the light is carried
   double handover_s = 0.2;   // after which a flame's colour is its level's alone
   double lighting = 0.5;     // how far the ground follows the light that falls on it by day, 0..1 (LitGround)
+  std::vector<store::ClipId>
+      clips{};      // of fire, the most like first: as theirs sway, so do tongues of the picture
+  double pace = 1;  // clip seconds per second of the animation, of those
 };
 
 /// The level of the picture's light is carried as a picture of its own would be, whose wide forms stand less than the
 /// clips' do; below its bed lies its mirror image, so that a foot burns on. Its colour follows the picture's curve over
 /// level (LightColours), so a flame that gets darker turns red, not grey. Logs, rims and embers do not move.
+/// A flame of one tongue (tongues_of) is not carried but sways as a whole, as the flame of a clip did; of the first
+/// kCourseClips clips that which is a tongue itself, or the first that burns.
 /// Frame 0 is the picture.
 /// parted  of this picture, with contrast.
 std::unique_ptr<Renderer> own_flames(Animation& animation, const StillPart& still, PartedStill parted,
                                      const OwnFlamesOptions& options);
+inline constexpr std::size_t kCourseClips = 4;
+inline constexpr std::uint32_t kCourseFrames = 150;  // of each that are read
 
 }  // namespace freshet::synth::animate

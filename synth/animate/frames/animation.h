@@ -73,6 +73,8 @@ struct AnimateReport {
   std::vector<ShownForm> forms;  // of clips: one for each fire in the picture
   double forms_fit = 0;          // of all of them, 0..1
   std::string forms_lack;        // what speaks against them; for a person
+  std::size_t tongues = 0;       // of own flames, those that sway in one piece,
+  store::ClipId sways_as{};      // as this clip's flame did
   std::size_t clips = 0, pieces = 0;
   int batches = 1;         // of frames
   double half_life_s = 0;  // of all detail; 0: none was carried

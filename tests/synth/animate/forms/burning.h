@@ -59,7 +59,7 @@ struct BurningClip {
 struct BurningPicture {
   cv::Size size{200, 160};
   cv::Point bed{110, 130};
-  int width = 40, height = 80;
+  int width = 68, height = 80;
 
   cv::Mat draw() const {
     const cv::Mat outer = flame(size, bed, width, height), inner = flame(size, bed, width / 2, height / 2);

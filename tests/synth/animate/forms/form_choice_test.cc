@@ -17,7 +17,7 @@ PartedStill parted(const BurningPicture& picture) {
 
 TEST(ClipForms, LightIsWhatThePlaceIsNotAtItsDarkest) {
   const FlowingStore store({BurningClip{}.clip()});
-  const ClipForms forms = clip_forms(store.snapshot(), store.id());
+  const ClipForms forms = clip_forms(store.snapshot(), store.id(), 480);
   ASSERT_EQ(forms.levels.size(), 40);
   ASSERT_EQ(forms.seats.size(), 1);
   EXPECT_NEAR(forms.seats[0].bed, 100, 6);
@@ -42,8 +42,8 @@ TEST(Darkest, AFlameThatIsAlwaysThereIsNoGround) {
 
 TEST(ChooseForms, TheClipWhoseFlamesAreAlikeBurnsOnThePicturesBed) {
   const FlowingStore store({BurningClip{.width = 110, .height = 25}.clip(), BurningClip{}.clip()});
-  const std::vector<ClipForms> clips{clip_forms(store.snapshot(), store.id(0)),
-                                     clip_forms(store.snapshot(), store.id(1))};
+  const std::vector<ClipForms> clips{clip_forms(store.snapshot(), store.id(0), 480),
+                                     clip_forms(store.snapshot(), store.id(1), 480)};
   const BurningPicture picture;
   const std::vector<ChosenForm> forms = choose_forms(parted(picture), clips, 0.5);
   ASSERT_EQ(forms.size(), 1);
@@ -62,7 +62,7 @@ TEST(ChooseForms, TheClipWhoseFlamesAreAlikeBurnsOnThePicturesBed) {
 
 TEST(ChooseForms, EnoughOfTheClipIsLeftAfterItsFirstFrame) {
   const FlowingStore store({BurningClip{.frames = 60}.clip()});
-  const std::vector<ClipForms> clips{clip_forms(store.snapshot(), store.id())};
+  const std::vector<ClipForms> clips{clip_forms(store.snapshot(), store.id(), 480)};
   const std::vector<ChosenForm> forms = choose_forms(parted({}), clips, 1.2);
   ASSERT_EQ(forms.size(), 1);
   EXPECT_LT(forms[0].first, 30);
@@ -71,7 +71,7 @@ TEST(ChooseForms, EnoughOfTheClipIsLeftAfterItsFirstFrame) {
 TEST(ChooseForms, WithoutFlamesInClipOrPictureThereAreNone) {
   const FlowingStore store({FlowingClip{
       .size = {160, 120}, .drawn = [](int) { return cv::Mat(120, 160, CV_8U, cv::Scalar(40)); }}});
-  const std::vector<ClipForms> clips{clip_forms(store.snapshot(), store.id())};
+  const std::vector<ClipForms> clips{clip_forms(store.snapshot(), store.id(), 480)};
   EXPECT_TRUE(choose_forms(parted({}), clips, 1).empty());
   EXPECT_EQ(overall_fit({}), 0);
 }

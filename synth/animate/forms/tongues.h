@@ -1,0 +1,54 @@
+// synth/animate/forms/tongues.h — flames of one tongue each, as a candle's, and how such a flame moves as a whole.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/forms/clip_forms.h"
+
+namespace freshet::synth::animate {
+
+/// How a tongue stands at a moment, of its own height: its axis goes aside by lean * up + bow * up^2, where `up` is 0
+/// at its foot and 1 at its tip; it is `stretch` times as high as usual.
+struct Sway {
+  double lean = 0, bow = 0, stretch = 1;
+};
+
+struct Tongue {
+  cv::Rect box;   // px: as far as it may sway
+  cv::Mat share;  // CV_32F, 0..1, of the box: of the picture's light, what is this tongue's
+  double foot = 0,
+         height = 0;  // px: the row that it stands on, from the box's top, and how far above it ends
+  double part = 0;    // of all light, what its body has, 0..1
+};
+
+/// Flames that are smooth, upright and of one piece: of what is lighter than .1, .2, .35, .5 or .7, a part that, less what is thin
+/// (a rim that crosses it), fills kSolid of its convex hull, is kSlender times as long as wide, has no texture inside,
+/// and a tenth of all light. Each has its own glow too, as far as it is wide, or halfway to what else burns.
+/// level  CV_32F, 0..1, of the picture.
+std::vector<Tongue> tongues_of(const cv::Mat& level);
+inline constexpr double kSolid = 0.85, kSlender = 1.45;
+
+/// The light of a tongue that sways.
+/// light    CV_32F of any channels, of the box: what is the tongue's.
+/// Returns  of its size and type; where nothing comes from, 0.
+cv::Mat swayed(const cv::Mat& light, const Tongue& tongue, const Sway& sway);
+
+/// How one clip's flame swayed. Beyond its end it goes back as it came.
+struct TongueCourse {
+  store::ClipId clip{};
+  double fps = 25;
+  std::vector<Sway> sways;  // by frame
+  double tongue = 0;        // of the clip's frames, 0..1, those with a flame of one tongue
+  Sway at(double seconds) const;
+};
+
+/// Of the clip's largest flame, frame by frame, about its median: axis by least squares over rows, by their light;
+/// height where all but a fortieth of it is below. Leans are cut off at kMostSway, heights at .6 and 1.6.
+/// None where nothing shines.
+std::optional<TongueCourse> course_of(const ClipForms& forms);
+inline constexpr double kMostSway = 0.35;
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,176 @@
+#include "synth/animate/forms/tongues.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "synth/animate/forms/light_level.h"
+#include "tests/synth/animate/forms/burnt_film.h"
+#include "tests/synth/animate/measured_clip.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+const cv::Size kPictureSize(200, 160);
+
+/// A candle's flame: an upright ellipse, soft at its rim.
+cv::Mat candle(double lean = 0, double height = 80) {
+  cv::Mat level = cv::Mat::zeros(kPictureSize, CV_32F);
+  for (int y = 0; y < kPictureSize.height; ++y) {
+    const double up = (130 - y) / height;
+    if (up < 0 || up > 1) continue;
+    const double half = 12 * std::sqrt(1 - std::pow(2 * up - 1, 2));
+    cv::line(level, cv::Point2d(100 + lean * height * up - half, y),
+             cv::Point2d(100 + lean * height * up + half, y), cv::Scalar(0.95));
+  }
+  cv::GaussianBlur(level, level, {}, 1.5);
+  return level;
+}
+
+/// Column where a row's light is.
+double centre_of(const cv::Mat& light, int row) {
+  double sum = 0, all = 0;
+  for (int x = 0; x < light.cols; ++x) {
+    sum += x * light.at<float>(row, x);
+    all += light.at<float>(row, x);
+  }
+  return sum / all;
+}
+
+int top_of(const cv::Mat& light) { return cv::boundingRect(light > 0.2).y; }
+
+TEST(Tongues, ACandlesFlameIsOneAndAWideARaggedAndATexturedOneAreNot) {
+  const std::vector<Tongue> tongues = tongues_of(candle());
+  ASSERT_EQ(tongues.size(), 1);
+  EXPECT_NEAR(tongues[0].box.y + tongues[0].foot, 131, 3);
+  EXPECT_NEAR(tongues[0].height, 81, 4);
+  EXPECT_GT(tongues[0].part, 0.95);
+
+  cv::Mat wide = cv::Mat::zeros(kPictureSize, CV_32F), ragged = candle(), textured = candle();
+  cv::ellipse(wide, {100, 100}, {40, 40}, 0, 0, 360, cv::Scalar(0.95), cv::FILLED);
+  EXPECT_TRUE(tongues_of(wide).empty());
+  for (const int x : {70, 130})
+    cv::ellipse(ragged, {x, 95}, {14, 30}, x < 100 ? 30 : -30, 0, 360, cv::Scalar(0.9), cv::FILLED);
+  EXPECT_TRUE(tongues_of(ragged).empty());
+  for (int y = 40; y < 130; y += 8) textured.rowRange(y, y + 4) *= 0.5;
+  EXPECT_TRUE(tongues_of(textured).empty());
+}
+
+TEST(Tongues, ARimThatCrossesAFlameIsNoneOfIt) {
+  cv::Mat level = candle();
+  cv::line(level, {20, 110}, {180, 110}, cv::Scalar(0.8), 3);
+  const std::vector<Tongue> tongues = tongues_of(level);
+  ASSERT_EQ(tongues.size(), 1);
+  EXPECT_NEAR(tongues[0].height, 81, 4);
+}
+
+TEST(Tongues, SwayAboutTheirFoot) {
+  const cv::Mat light = candle();
+  const Tongue tongue = tongues_of(light).front();
+  const cv::Mat own = light(tongue.box).mul(tongue.share);
+  const int foot = static_cast<int>(tongue.foot), half = foot - 40;
+  const auto aside = [&](const Sway& sway, int row) {
+    return centre_of(swayed(own, tongue, sway), row) - centre_of(own, row);
+  };
+  // At half its height: lean / 2 and bow / 4 of its height.
+  EXPECT_NEAR(aside({.lean = 0.2, .bow = 0, .stretch = 1}, half), 0.5 * 0.2 * tongue.height, 0.6);
+  EXPECT_NEAR(aside({.lean = 0, .bow = 0.2, .stretch = 1}, half), 0.25 * 0.2 * tongue.height, 0.6);
+  EXPECT_NEAR(aside({.lean = 0.2, .bow = 0.2, .stretch = 1}, foot - 1), 0, 0.3);
+  const double taller = top_of(own) - top_of(swayed(own, tongue, {.lean = 0, .bow = 0, .stretch = 1.25}));
+  EXPECT_NEAR(taller, 0.25 * tongue.height, 2);
+  EXPECT_EQ(cv::norm(swayed(own, tongue, {}), own, cv::NORM_INF), 0);
+}
+
+/// A clip whose flame leans from side to side, and is lower for its second half.
+ClipForms swaying() {
+  ClipForms forms{};
+  forms.fps = 20;
+  forms.mean = cv::Mat::zeros(kPictureSize, CV_32F);
+  for (int i = 0; i < 40; ++i) {
+    const cv::Mat level = candle(0.2 * std::sin(i * 2 * CV_PI / 40), i < 20 ? 80 : 64);
+    cv::Mat bytes;
+    level.convertTo(bytes, CV_8U, 255);
+    forms.levels.push_back(bytes);
+    forms.mean += level / 40;
+  }
+  forms.seats = seats_of(forms.mean);
+  return forms;
+}
+
+TEST(TongueCourse, IsHowAClipsFlameLeansAndLeaps) {
+  const std::optional<TongueCourse> course = course_of(swaying());
+  ASSERT_TRUE(course.has_value());
+  EXPECT_EQ(course->tongue, 1);
+  const auto tip = [&](double at) {
+    return course->at(at).lean + course->at(at).bow;
+  };  // of a height of 80 px
+  EXPECT_NEAR(tip(0.5) - tip(1.5), 0.2 + 0.2 * 64 / 80, 0.04);
+  EXPECT_NEAR(course->at(0.5).stretch / course->at(1.5).stretch, 80.0 / 64, 0.05);
+}
+
+TEST(TongueCourse, GoesBackAsItCame) {
+  TongueCourse course{.clip = {}, .fps = 10, .sways = {}, .tongue = 1};
+  for (const double lean : {0.0, 0.1, 0.2}) course.sways.push_back({.lean = lean, .bow = 0, .stretch = 1});
+  EXPECT_NEAR(course.at(0.05).lean, 0.05, 1e-9);
+  EXPECT_NEAR(course.at(0.2).lean, 0.2, 1e-9);
+  EXPECT_NEAR(course.at(0.3).lean, 0.1, 1e-9);
+  EXPECT_NEAR(course.at(0.4).lean, 0, 1e-9);
+  EXPECT_NEAR(course.at(4.5).lean, course.at(0.1).lean, 1e-9);
+  course.sways.resize(1);
+  EXPECT_EQ(course.at(3).lean, 0);
+}
+
+TEST(TongueCourse, OfAClipThatDoesNotShineIsNone) {
+  ClipForms dark{};
+  dark.levels.emplace_back(cv::Mat::zeros(kPictureSize, CV_8U));
+  EXPECT_FALSE(course_of(dark).has_value());
+}
+
+/// A candle's flame before a dark wall, and where it burns.
+cv::Mat candle_picture() {
+  const cv::Mat level = candle();
+  cv::Mat out(kPictureSize, CV_8UC3);
+  for (int y = 0; y < kPictureSize.height; ++y)
+    for (int x = 0; x < kPictureSize.width; ++x) {
+      const float l = level.at<float>(y, x);
+      out.at<cv::Vec3b>(y, x) = {cv::saturate_cast<std::uint8_t>(30 + 60 * l),
+                                 cv::saturate_cast<std::uint8_t>(20 + 200 * l),
+                                 cv::saturate_cast<std::uint8_t>(15 + 240 * l)};
+    }
+  return out;
+}
+
+TEST(OwnFlames, ACandleSwaysInOnePiece) {
+  FlowingClip clip = BurningClip{}.clip();
+  clip.steady = {0, -1.6f};
+  clip.varying = 0.4f;
+  const FlowingStore store({measured(clip)});
+  const cv::Mat picture = candle_picture();
+  std::vector<cv::Mat> frames;
+  AnimateOptions options;
+  options.frames = 30;
+  const AnimateReport report =
+      animate(store.snapshot(), store.settings(), picture, cv::Mat(kPictureSize, CV_8U, cv::Scalar(255)),
+              placed(store.id()), options, [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
+  EXPECT_EQ(report.tongues, 1);
+  EXPECT_EQ(report.sways_as, store.id());
+  EXPECT_EQ(apart(frames[0], picture), 0);
+  const auto burns = [](const cv::Mat& frame) {
+    cv::Mat red;
+    cv::extractChannel(frame, red, 2);
+    return cv::Mat(red > 130);
+  };
+  double moved = 0;
+  for (const cv::Mat& frame : frames) {
+    cv::Mat parts;
+    EXPECT_EQ(cv::connectedComponents(burns(frame), parts), 2);  // the dark, and the flame
+    EXPECT_GT(cv::countNonZero(burns(frame)), 0.6 * cv::countNonZero(burns(picture)));
+    moved = std::max(moved, apart(frame(cv::Rect(60, 40, 80, 60)), picture(cv::Rect(60, 40, 80, 60))));
+    EXPECT_LT(apart(frame(cv::Rect(90, 136, 20, 20)), picture(cv::Rect(90, 136, 20, 20))), 12);
+  }
+  EXPECT_GT(moved, 60);
+}
+
+}  // namespace
+}  // namespace freshet::synth::animate
