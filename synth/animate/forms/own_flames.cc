@@ -109,15 +109,28 @@ struct OwnTongue {
   double later = 0;  // s: where in the clip it begins, so that tongues do not sway in step
 };
 
-/// Of the first clips, the course whose flame is a tongue in most frames.
+/// How much a flame sways from frame to frame.
+double unrest(const TongueCourse& course) {
+  double sum = 0;
+  for (std::size_t i = 1; i < course.sways.size(); ++i) {
+    const Sway &a = course.sways[i - 1], &b = course.sways[i];
+    sum += std::abs(b.lean - a.lean) + std::abs(b.bow - a.bow) + std::abs(b.stretch - a.stretch);
+  }
+  return sum / static_cast<double>(course.sways.size());
+}
+
+/// The course of the clip whose flame is a tongue in most frames; among equals, of the calmest.
 std::optional<TongueCourse> course_like(const store::Snapshot& snapshot,
                                         std::span<const store::ClipId> clips) {
   std::optional<TongueCourse> best;
   for (const store::ClipId clip : clips.first(std::min(clips.size(), kCourseClips))) {
-    std::optional<TongueCourse> course = course_of(clip_forms(snapshot, clip, kCourseFrames));
-    if (course && (!best || course->tongue > best->tongue)) best = course;
+    const std::optional<TongueCourse> look = course_of(clip_forms(snapshot, clip, kCourseLook));
+    if (!look) continue;
+    if (!best || look->tongue > best->tongue ||
+        (look->tongue == best->tongue && unrest(*look) < unrest(*best)))
+      best = look;
   }
-  return best;
+  return best ? course_of(clip_forms(snapshot, best->clip, kCourseFrames)) : best;
 }
 
 /// Light around a tongue, continued behind it: CV_32FC3, of its box, no more than is there.

@@ -27,12 +27,12 @@ struct OwnFlamesOptions {
 /// clips' do; below its bed lies its mirror image, so that a foot burns on. Its colour follows the picture's curve over
 /// level (LightColours), so a flame that gets darker turns red, not grey. Logs, rims and embers do not move.
 /// A flame of one tongue (tongues_of) is not carried but sways as a whole, as the flame of a clip did; of the first
-/// kCourseClips clips that which is a tongue itself, or the first that burns.
+/// kCourseClips clips that which is a tongue itself most often, or the calmest.
 /// Frame 0 is the picture.
 /// parted  of this picture, with contrast.
 std::unique_ptr<Renderer> own_flames(Animation& animation, const StillPart& still, PartedStill parted,
                                      const OwnFlamesOptions& options);
-inline constexpr std::size_t kCourseClips = 4;
-inline constexpr std::uint32_t kCourseFrames = 150;  // of each that are read
+inline constexpr std::size_t kCourseClips = 16;
+inline constexpr std::uint32_t kCourseLook = 16, kCourseFrames = 150;  // of each clip, and of the chosen one
 
 }  // namespace freshet::synth::animate

@@ -24,9 +24,10 @@ struct Tongue {
   double part = 0;    // of all light, what its body has, 0..1
 };
 
-/// Flames that are smooth, upright and of one piece: of what is lighter than .1, .2, .35, .5 or .7, a part that, less what is thin
-/// (a rim that crosses it), fills kSolid of its convex hull, is kSlender times as long as wide, has no texture inside,
-/// and a tenth of all light. Each has its own glow too, as far as it is wide, or halfway to what else burns.
+/// Flames that are smooth, upright and of one piece: of what is lighter than .1, .2, .35, .5 or .7, a part that, less
+/// what is thin (a rim that crosses it), fills kSolid of its convex hull, is kSlender times as long as wide, has no
+/// texture inside, and a tenth of all light. Each has its own glow too, as far as it is wide, or halfway to what else
+/// burns. Cost: some passes over the picture for each part.
 /// level  CV_32F, 0..1, of the picture.
 std::vector<Tongue> tongues_of(const cv::Mat& level);
 inline constexpr double kSolid = 0.85, kSlender = 1.45;
