@@ -48,7 +48,7 @@ TEST(Tongues, ACandlesFlameIsOneAndAWideARaggedAndATexturedOneAreNot) {
   EXPECT_GT(tongues[0].part, 0.95);
 
   cv::Mat wide = cv::Mat::zeros(kPictureSize, CV_32F), ragged = candle(), textured = candle();
-  cv::ellipse(wide, {100, 100}, {40, 40}, 0, 0, 360, cv::Scalar(0.95), cv::FILLED);
+  cv::ellipse(wide, {100, 100}, {36, 44}, 0, 0, 360, cv::Scalar(0.95), cv::FILLED);
   EXPECT_TRUE(tongues_of(wide).empty());
   for (const int x : {70, 130})
     cv::ellipse(ragged, {x, 95}, {14, 30}, x < 100 ? 30 : -30, 0, 360, cv::Scalar(0.9), cv::FILLED);
