@@ -238,34 +238,26 @@ class OwnFlames final : public Renderer {
   }
 
   cv::Mat finish(int output, const cv::Mat& matte) override {
-    const cv::Mat fluid = carried_->finish(output, matte);
     const float still = rest_stands_ ? 1 : remaining(output);
-    cv::Mat level(fluid.size(), CV_32F);
-    for (int y = 0; y < level.rows; ++y)
-      for (int x = 0; x < level.cols; ++x) {
-        const cv::Vec4f f = fluid.at<cv::Vec4f>(y, x);
-        const float own = parted_.level.at<float>(y, x);
-        const float now = f[3] > 0 ? std::clamp(f[1] / f[3], 0.0f, 1.0f) : own;
-        level.at<float>(y, x) =
-            output == 0 || rest_stands_
-                ? own
-                : thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
-      }
-    cv::Mat swaying = cv::Mat::zeros(level.size(), CV_32FC4);
-    for (const OwnTongue& own : tongues_)
-      swaying(own.tongue.box) += swayed(own.light, own.tongue, sway(own, output));
-    cv::Mat shining = level;
+    const cv::Mat level = rest_stands_ || output == 0 ? parted_.level : carried_level(output, matte);
+    cv::Mat swaying, shining = level;
     if (!tongues_.empty()) {
-      cv::Mat of_tongues;
-      cv::extractChannel(swaying, of_tongues, 3);
-      shining = level_of(light_of(level) + of_tongues);
+      swaying = cv::Mat::zeros(level.size(), CV_32FC4);
+      shining = level.clone();
+    }
+    for (const OwnTongue& own : tongues_) {
+      const cv::Mat light = swayed(own.light, own.tongue, sway(own, output));
+      swaying(own.tongue.box) += light;
+      cv::Mat of_tongue, within = shining(own.tongue.box);
+      cv::extractChannel(light, of_tongue, 3);
+      level_of(light_of(within) + of_tongue).copyTo(within);
     }
     const cv::Mat more = ground_.brightening(shining, output == 0 ? 0.0f : 1.0f);
     cv::Mat frame(level.size(), CV_32FC3);
     for (int y = 0; y < frame.rows; ++y)
       for (int x = 0; x < frame.cols; ++x) {
         const cv::Vec3f picture = still_.target.at<cv::Vec3f>(y, x);
-        const cv::Vec4f& tongue = swaying.at<cv::Vec4f>(y, x);
+        const cv::Vec4f tongue = swaying.empty() ? cv::Vec4f() : swaying.at<cv::Vec4f>(y, x);
         // A tongue sways over what lies beside the matte, too.
         const float share = std::max(matte.at<float>(y, x), std::min(1.0f, tongue[3] / kOverAll));
         cv::Vec3f& to = frame.at<cv::Vec3f>(y, x) = picture;
@@ -285,6 +277,20 @@ class OwnFlames final : public Renderer {
   }
 
  private:
+  /// The level of the flames that are carried, where they may be.
+  cv::Mat carried_level(int output, const cv::Mat& matte) {
+    const cv::Mat fluid = carried_->finish(output, matte);
+    cv::Mat level(fluid.size(), CV_32F);
+    for (int y = 0; y < level.rows; ++y)
+      for (int x = 0; x < level.cols; ++x) {
+        const cv::Vec4f f = fluid.at<cv::Vec4f>(y, x);
+        const float now = f[3] > 0 ? std::clamp(f[1] / f[3], 0.0f, 1.0f) : parted_.level.at<float>(y, x);
+        level.at<float>(y, x) =
+            thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
+      }
+    return level;
+  }
+
   std::vector<OwnTongue> found_tongues() {
     const std::vector<Tongue> tongues = tongues_of(parted_.level);
     if (tongues.empty()) return {};

@@ -144,6 +144,17 @@ int foot_of(const cv::Mat& core, const cv::Rect& box) {
   return box.br().y;
 }
 
+/// Parts that have so much light.
+std::vector<int> bright(const cv::Mat& parts, int count, const cv::Mat& light, double least) {
+  std::vector<double> lit(count, 0.0);
+  for (int y = 0; y < parts.rows; ++y)
+    for (int x = 0; x < parts.cols; ++x) lit[parts.at<int>(y, x)] += light.at<float>(y, x);
+  std::vector<int> out;
+  for (int i = 1; i < count; ++i)
+    if (lit[i] >= least) out.push_back(i);
+  return out;
+}
+
 Tongue tongue_of(const cv::Mat& core) {
   const cv::Rect box = cv::boundingRect(core);
   const int around = static_cast<int>(std::ceil(2 * kMostSway * box.height)) + box.width,
@@ -190,7 +201,7 @@ std::vector<Tongue> tongues_of(const cv::Mat& level) {
   cv::Mat taken = cv::Mat::zeros(level.size(), CV_8U), parts, shape, centres;
   for (const float from : kShining) {
     const int count = cv::connectedComponentsWithStats(level > from, parts, shape, centres, 8, CV_32S);
-    for (int i = 1; i < count; ++i) {
+    for (const int i : bright(parts, count, light, kLeastPart * all)) {
       const cv::Mat core = body_of(parts == i);
       const int area = cv::countNonZero(core);
       if (area < kLeastArea || !is_slender(core) || !is_solid(core, area) ||
