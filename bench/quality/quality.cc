@@ -28,6 +28,8 @@
 
 #include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
+#include "bench/quality/prior/optimised_still.h"
+#include "bench/quality/prior/video_example.h"
 #include "bench/quality/quality_agreement.h"
 #include "bench/quality/quality_asked.h"
 #include "bench/quality/quality_case.h"
@@ -44,6 +46,7 @@
 #include "query/index/search_base.h"
 #include "query/labelling/label_request.h"
 #include "query/labelling/shares.h"
+#include "synth/animate/motion/motion_field.h"
 #include "synth/animate/placement/assigned.h"
 #include "synth/animate/placement/retiming.h"
 #include "synth/judging/colour_drift.h"
@@ -197,6 +200,27 @@ class Trial {
     const double start = bench::wall_seconds();
     const Labelled& labels = labelled(hint, method);
     judged.label_s = bench::wall_seconds() - start;
+    const std::vector<cv::Mat> made =
+        method.renderer == bench::Renderer::kAnimate ? animated(labels, method) : by_rival(labels, method);
+    judged.render_s = bench::wall_seconds() - start - judged.label_s;
+    const bool strokes = hint.hint == bench::Hint::kStrokes || hint.hint == bench::Hint::kStrokesSpeed;
+    compare(made, labels.asked.direction, strokes, judged, labels.asked.rendering.speed);
+    if (method.renderer == bench::Renderer::kAnimate) {
+      judged.distance.clip_share = labels.shares.clip;
+      judged.distance.patch_share = labels.shares.patch;
+    }
+    return judged;
+  }
+
+ private:
+  struct Labelled {
+    bench::AskedOf asked;
+    query::Assignment assignment;
+    synth::animate::Placement placement;
+    query::LargestShares shares;
+  };
+
+  std::vector<cv::Mat> animated(const Labelled& labels, const bench::Method& method) const {
     synth::animate::AnimateOptions options = method.animate;
     auto* forms = std::get_if<synth::animate::FormsOptions>(&options.method);
     if (forms == nullptr && options.for_fires) forms = &*options.for_fires;
@@ -215,21 +239,48 @@ class Trial {
     std::vector<cv::Mat> made;
     synth::animate::animate(snapshot_, base_.settings, case_.still, case_.matte, placement, options,
                             [&](const cv::Mat& frame) { made.push_back(frame.clone()); });
-    judged.render_s = bench::wall_seconds() - start - judged.label_s;
-    const bool strokes = hint.hint == bench::Hint::kStrokes || hint.hint == bench::Hint::kStrokesSpeed;
-    compare(made, labels.asked.direction, strokes, judged, labels.asked.rendering.speed);
-    judged.distance.clip_share = labels.shares.clip;
-    judged.distance.patch_share = labels.shares.patch;
-    return judged;
+    return made;
   }
 
- private:
-  struct Labelled {
-    bench::AskedOf asked;
-    query::Assignment assignment;
-    synth::animate::Placement placement;
-    query::LargestShares shares;
-  };
+  /// A rival goes as asked; where nothing is asked of direction or speed, as our labels do.
+  std::vector<cv::Mat> by_rival(const Labelled& labels, const bench::Method& method) const {
+    const query::MotionGuide& guide = labels.asked.rendering;
+    cv::Mat fluid;
+    case_.matte.convertTo(fluid, CV_32F, 1 / 255.0);
+    const double factor = guide.speed.empty() ? pace_of(labels.assignment) : 1;
+    const cv::Mat motion = synth::animate::apply_guide(
+        synth::animate::motion_field(snapshot_, base_.settings, labels.placement, case_.still.size()) *
+            factor,
+        guide, fluid);
+    const int frames = static_cast<int>(case_.truth.size());
+    if (method.renderer == bench::Renderer::kOptimised)
+      return bench::optimise_still(case_.still, case_.matte, motion / case_.fps, frames);
+    return bench::animate_by_example(case_.still, case_.matte, motion, case_.fps, example(), frames);
+  }
+
+  /// The clip that has the best candidate of most pieces, for the person who chooses one; played at the still's rate.
+  bench::VideoExample example() const {
+    query::LabelOptions options;
+    options.candidates.excluded_clips = case_.same_scene;
+    options.candidates.class_name = case_.class_name;
+    const query::CandidateSearch search =
+        query::search_candidates(snapshot_, base_, case_.still, case_.matte, options);
+    std::vector<int> best_of(base_.table.clips.size());
+    for (std::size_t piece = 0; piece < search.target.size(); ++piece)
+      if (const auto rows = search.candidates.rows_of(piece); !rows.empty())
+        ++best_of[base_.table.clip[rows.front()]];
+    const auto chosen = std::max_element(best_of.begin(), best_of.end()) - best_of.begin();
+    const bench::Footage footage =
+        bench::stored_footage(snapshot_, base_.table.clips[static_cast<std::size_t>(chosen)], asked_.sizes);
+    fmt::print(stderr, "  example: {}\n", footage.name);
+    std::vector<cv::Mat> frames;
+    for (double at = 0; at < static_cast<double>(footage.frames.size()); at += footage.fps / case_.fps)
+      frames.push_back(footage.frames[static_cast<std::size_t>(at)]);
+    const std::vector<bench::PairMotion> motions = bench::pair_motions(bench::luma_of(frames));
+    cv::Mat flow = cv::Mat::zeros(motions[0].fine.size(), CV_32FC2);
+    for (const bench::PairMotion& motion : motions) flow += motion.fine;
+    return bench::decompose(frames, flow / static_cast<double>(motions.size()));
+  }
 
   double pace_of(const query::Assignment& assignment) const {
     return synth::takes::factor_of(
@@ -428,12 +479,15 @@ int run(const Asked& asked) {
         fmt::print(stderr, "  {}: {}\n", what, fault.what());
       }
     };
+    const auto needs_hint = [](const bench::Method& method) {
+      return method.renderer != bench::Renderer::kCarried &&
+             method.renderer != bench::Renderer::kCarriedVarying;
+    };
     for (const bench::Method& method : methods)
-      if (method.renderer != bench::Renderer::kAnimate)
-        attempt(method.name, [&] { return trial.judge_carried(method); });
+      if (!needs_hint(method)) attempt(method.name, [&] { return trial.judge_carried(method); });
     for (const bench::NamedHint& hint : hints)
       for (const bench::Method& method : methods)
-        if (method.renderer == bench::Renderer::kAnimate)
+        if (needs_hint(method))
           attempt(fmt::format("{} {}", hint.name, method.name), [&] { return trial.judge(hint, method); });
     // After each clip: a run that is broken off has shown something.
     if (!asked.html.empty()) bench::write_page(asked.html, judged, "Animated stills beside what was filmed");

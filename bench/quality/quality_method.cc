@@ -51,11 +51,13 @@ std::function<void(Method&, const std::string&)> to(Field&& field) {
 const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> settings = [] {
     std::vector<Setting> all{
-        {"renderer", "animate, eulerian or eulerian-varying (see --methods)", false,
+        {"renderer", "animate, eulerian, eulerian-varying, optimised or example (see --methods)", false,
          [](Method& m, const std::string& text) {
            m.renderer = one_of<Renderer>(text, {{"animate", Renderer::kAnimate},
                                                 {"eulerian", Renderer::kCarried},
-                                                {"eulerian-varying", Renderer::kCarriedVarying}});
+                                                {"eulerian-varying", Renderer::kCarriedVarying},
+                                                {"optimised", Renderer::kOptimised},
+                                                {"example", Renderer::kExample}});
          }},
         {"costs", "log or power; resets the four weights that follow", true,
          [](Method& m, const std::string& text) {
@@ -140,6 +142,10 @@ const std::vector<NamedSettings>& methods() {
        "two copies of the still carried along the clip's true mean motion; no hint, no labels"},
       {"eulerian-varying", "renderer=eulerian-varying",
        "two copies of the still carried along the clip's own flow, frame by frame"},
+      {"kwatra2005", "renderer=optimised",
+       "texture optimisation: the still's own patches, carried along what is asked; else along our labels"},
+      {"okabe2009", "renderer=example",
+       "one clip, the best for most pieces of those of the still's class: its residuals, carried likewise"},
   };
   return all;
 }

@@ -12,9 +12,11 @@ namespace freshet::bench {
 
 /// Who makes the frames.
 enum class Renderer {
-  kAnimate,        // synth::animate, from labels
-  kCarried,        // carry_still along the clip's true mean motion: no labels, no hint
-  kCarriedVarying  // carry_still along the clip's own flow, frame by frame
+  kAnimate,         // synth::animate, from labels
+  kCarried,         // carry_still along the clip's true mean motion: no labels, no hint
+  kCarriedVarying,  // carry_still along the clip's own flow, frame by frame
+  kOptimised,       // optimise_still along what is asked
+  kExample          // animate_by_example of one clip, along what is asked
 };
 
 struct Method {
