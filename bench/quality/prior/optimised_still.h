@@ -13,7 +13,7 @@ namespace freshet::bench {
 /// flow     CV_32FC2, px a frame, its size.
 /// Returns  `frames` frames, CV_8UC3. All threads; the same for any number.
 /// Throws   Error{kInput}: the matte is black. Error{kIo}: the folder for temporary files cannot be written to.
-/// Cost     .6 s of CPU for a frame of 256 x 144 px that is all fluid.
+/// Cost     .3 s of CPU for a frame of 256 x 144 px that is all fluid.
 /// Source   Kwatra et al. 2005, "Texture Optimization for Example-based Synthesis", Sec. 3 (EM of neighbourhoods,
 ///          coarse to fine) and 4.2 (flow), by synth/transfer with the nearest patch for the uniform one. Not as
 ///          there: patches are 9 px wide at each level (they: 32, 16 and 8); the carried frame counts in the search

@@ -18,6 +18,9 @@ namespace {
 constexpr int kSide = 32, kStride = kSide / 2, kSearchStep = 4;  // px, of squares that residuals come from
 constexpr float kSlow = 0.1f;  // px a frame: below it nothing has a direction
 
+// What a place of the example costs that squares near by have: copies side by side would be seen as a lattice.
+constexpr float kAgain = 0.003f;
+
 /// What two squares are compared by, and how they flow.
 struct Look {
   float luma = 0, contrast = 0;
@@ -38,9 +41,12 @@ float unlike(const Look& a, const Look& b) {
   return luma * luma + contrast * contrast + octaves * octaves;
 }
 
+bool near(cv::Point a, cv::Point b, int px) { return std::abs(a.x - b.x) < px && std::abs(a.y - b.y) < px; }
+
 /// Where the pixels of a square of the still lie in the example, CV_32FC2.
 struct Square {
-  cv::Rect at;  // inside the still
+  cv::Rect at;       // inside the still
+  cv::Point source;  // upper left corner in the example
   cv::Mat from, weight;
 };
 
@@ -52,38 +58,46 @@ std::vector<Square> squares_of(const cv::Mat& base, const cv::Mat& contrast, con
       offered.push_back(
           {{x, y}, look_at(example.mean, example.contrast, example.flow, {x, y, kSide, kSide})});
   CV_Assert(!offered.empty());
-  std::vector<cv::Point> corners;
-  for (int y = -kStride; y < base.rows; y += kStride)
-    for (int x = -kStride; x < base.cols; x += kStride) corners.push_back({x, y});
-  std::vector<Square> squares(corners.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, corners.size(), [&](std::size_t i) {
-    const cv::Rect whole(corners[i], cv::Size(kSide, kSide));
-    Square& square = squares[i];
-    square.at = whole & cv::Rect({}, base.size());
-    const Look wanted = look_at(base, contrast, flow, square.at);
-    const auto* best = &offered[0];
-    float least = std::numeric_limits<float>::infinity();
-    for (const auto& one : offered)
-      if (const float cost = unlike(wanted, one.second); cost < least) least = cost, best = &one;
-    cv::Vec2f turn(1, 0);  // from the still's axes to the example's, as a complex number
-    if (const cv::Vec2f theirs = best->second.flow, ours = wanted.flow;
-        best->second.speed() > kSlow && wanted.speed() > kSlow) {
-      turn = cv::Vec2f(theirs[0] * ours[0] + theirs[1] * ours[1], theirs[1] * ours[0] - theirs[0] * ours[1]);
-      turn /= best->second.speed() * wanted.speed();
-    }
-    const cv::Point2f centre = cv::Point2f(best->first) + cv::Point2f(kSide / 2.0f, kSide / 2.0f);
-    square.from.create(square.at.size(), CV_32FC2);
-    square.weight.create(square.at.size(), CV_32F);
-    for (int y = 0; y < square.at.height; ++y)
-      for (int x = 0; x < square.at.width; ++x) {
-        const float u = static_cast<float>(square.at.x + x - whole.x) + 0.5f - kSide / 2.0f,
-                    v = static_cast<float>(square.at.y + y - whole.y) + 0.5f - kSide / 2.0f;
-        square.from.at<cv::Vec2f>(y, x) = {centre.x - 0.5f + turn[0] * u - turn[1] * v,
-                                           centre.y - 0.5f + turn[1] * u + turn[0] * v};
-        square.weight.at<float>(y, x) =
-            (1 - std::abs(u) / (kSide / 2.0f)) * (1 - std::abs(v) / (kSide / 2.0f));
+  std::vector<Square> squares;
+  for (int top = -kStride; top < base.rows; top += kStride)
+    for (int left = -kStride; left < base.cols; left += kStride) {
+      const cv::Rect whole(left, top, kSide, kSide);
+      Square square;
+      square.at = whole & cv::Rect({}, base.size());
+      const Look wanted = look_at(base, contrast, flow, square.at);
+      std::vector<cv::Point> taken;
+      for (const Square& other : squares)
+        if (near(other.at.tl(), square.at.tl(), 2 * kSide)) taken.push_back(other.source);
+      const auto* best = &offered[0];
+      float least = std::numeric_limits<float>::infinity();
+      for (const auto& one : offered) {
+        float cost = unlike(wanted, one.second);
+        for (const cv::Point& other : taken)
+          if (near(other, one.first, kStride)) cost += kAgain;
+        if (cost < least) least = cost, best = &one;
       }
-  });
+      square.source = best->first;
+      cv::Vec2f turn(1, 0);  // from the still's axes to the example's, as a complex number
+      if (const cv::Vec2f theirs = best->second.flow, ours = wanted.flow;
+          best->second.speed() > kSlow && wanted.speed() > kSlow) {
+        turn =
+            cv::Vec2f(theirs[0] * ours[0] + theirs[1] * ours[1], theirs[1] * ours[0] - theirs[0] * ours[1]);
+        turn /= best->second.speed() * wanted.speed();
+      }
+      const cv::Point2f centre = cv::Point2f(best->first) + cv::Point2f(kSide / 2.0f, kSide / 2.0f);
+      square.from.create(square.at.size(), CV_32FC2);
+      square.weight.create(square.at.size(), CV_32F);
+      for (int y = 0; y < square.at.height; ++y)
+        for (int x = 0; x < square.at.width; ++x) {
+          const float u = static_cast<float>(square.at.x + x - whole.x) + 0.5f - kSide / 2.0f,
+                      v = static_cast<float>(square.at.y + y - whole.y) + 0.5f - kSide / 2.0f;
+          square.from.at<cv::Vec2f>(y, x) = {centre.x - 0.5f + turn[0] * u - turn[1] * v,
+                                             centre.y - 0.5f + turn[1] * u + turn[0] * v};
+          square.weight.at<float>(y, x) =
+              (1 - std::abs(u) / (kSide / 2.0f)) * (1 - std::abs(v) / (kSide / 2.0f));
+        }
+      squares.push_back(std::move(square));
+    }
   return squares;
 }
 

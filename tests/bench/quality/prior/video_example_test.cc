@@ -149,6 +149,17 @@ TEST(VideoExample, DetailLivesAsLongAsTheExamplesAndIsAsStrongAsTheStills) {
   EXPECT_LT(first.dot(second) / (cv::norm(first) * cv::norm(second)), -0.25);
 }
 
+TEST(VideoExample, NoPlaceOfTheExampleIsShownSideBySide) {
+  const cv::Mat still = noise(kClip, 9) / 16 + cv::Scalar::all(120);
+  const std::vector<cv::Mat> made = animate_by_example(
+      still, all_fluid(), going(0, 0), 25, decompose(flickering(24, {{}, kClip}), going(0, 0)), 4);
+  cv::Mat change, left, right;
+  cv::subtract(made[3], made[2], change, cv::noArray(), CV_32F);
+  left = change.colRange(0, kClip.width - 16);
+  right = change.colRange(16, kClip.width);
+  EXPECT_LT(left.dot(right) / (cv::norm(left) * cv::norm(right)), 0.15);
+}
+
 TEST(VideoExample, ABrokenOffExampleBeginsAgainAndContrastDoesNotGrow) {
   const cv::Mat still = noise(kClip, 9);
   const std::vector<cv::Mat> made =
