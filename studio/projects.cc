@@ -43,9 +43,9 @@ std::shared_ptr<Project> create_project(const fs::path& folder, const fs::path& 
 std::string takes_key(const std::string& project) { return "takes " + project; }
 std::string layers_key(const std::string& project) { return "layers " + project; }
 
-/// What a project is given and what is drawn for it, in a folder that is made; links are left out.
+/// What a project is given and what is drawn for it. Left out are links, files that are being written
+/// (write_beneath), and what goes meanwhile. to   an empty folder.
 void copy_drawn(const fs::path& from, const fs::path& to) {
-  fs::create_directory(to);
   for (auto at = fs::recursive_directory_iterator(from); at != fs::recursive_directory_iterator(); ++at) {
     const fs::path within = at->path().lexically_relative(from);
     const bool given = *within.begin() != "exports" &&
@@ -55,8 +55,10 @@ void copy_drawn(const fs::path& from, const fs::path& to) {
       if (at->is_directory()) at.disable_recursion_pending();
     } else if (at->is_directory()) {
       fs::create_directory(to / within);
-    } else if (at->is_regular_file()) {
-      fs::copy_file(at->path(), to / within);
+    } else if (at->is_regular_file() && within.extension() != ".new") {
+      std::error_code fault;
+      if (!fs::copy_file(at->path(), to / within, fault) && fault != std::errc::no_such_file_or_directory)
+        throw fs::filesystem_error("copy_file", fault);
     }
   }
 }
@@ -134,6 +136,9 @@ void Projects::remove(const std::string& id) {
     throw Error(ErrorKind::kNotFound, id, "there is no such project");
   std::error_code fault;
   fs::remove_all(folder, fault);
+  if (fault)
+    throw Error(ErrorKind::kIo, folder.string(), fmt::format("cannot be removed ({})", fault.message()),
+                "Check its permissions, then remove it again");
 }
 
 std::string Projects::rename(const std::string& id, const std::string& name) {
@@ -161,13 +166,18 @@ std::string Projects::duplicate(const std::string& id, int longest) {
     throw Error(ErrorKind::kNotFound, id, "there is no such project");
   for (int number = 2; number < 1000; ++number) {
     const std::string copy = fmt::format("{}-{}", id, number);
-    if (fs::exists(fs::symlink_status(folder_of(copy)))) continue;
+    const fs::path to = folder_of(copy);
+    std::error_code fault;
+    if (!fs::create_directory(to, fault)) {
+      if (fs::exists(fs::symlink_status(to))) continue;
+      throw Error(ErrorKind::kIo, to.string(), fmt::format("cannot be made ({})", fault.message()),
+                  "Check the folder and the disk");
+    }
     try {
-      copy_drawn(from, folder_of(copy));
-    } catch (const fs::filesystem_error& fault) {
-      std::error_code ignored;
-      fs::remove_all(folder_of(copy), ignored);
-      throw Error(ErrorKind::kIo, id, fmt::format("it cannot be copied ({})", fault.code().message()));
+      copy_drawn(from, to);
+    } catch (const fs::filesystem_error& failed) {
+      fs::remove_all(to, fault);
+      throw Error(ErrorKind::kIo, id, fmt::format("it cannot be copied ({})", failed.code().message()));
     }
     return copy;
   }

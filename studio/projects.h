@@ -38,11 +38,12 @@ class Projects {
   /// store   of the new document; "": Stores::likely(). Returns its id.
   std::string open_picture(const std::filesystem::path& file, const std::string& name,
                            const std::string& store = {});
+  /// Throws Error{kIo} where its folder cannot be removed whole.
   void remove(const std::string& id);
   /// Returns the new id, of project_name(name). Throws Error{kUsage} where another project has it.
   std::string rename(const std::string& id, const std::string& name);
   /// A copy, without what was exported and what the ways made. longest   px that its picture is reduced to, and what
-  /// was drawn is left out; 0: as it is. Returns its id.
+  /// was drawn is left out; 0: as it is. Returns its id. Throws Error{kIo} where it cannot be written.
   std::string duplicate(const std::string& id, int longest);
   std::string thumbnail_of(const std::string& project) const { return thumbnail(folder_of(project)); }
   std::shared_ptr<Easel> easel(const std::string& project);
