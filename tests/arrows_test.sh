@@ -71,7 +71,7 @@ synth/flowlines/files: store media/picture media/video hints stored synth/flowli
 synth/stills/between: cache vision synth/sampling
 synth/stills: report cache media/frame media/picture hints synth/toml synth/matte synth/stills/between
 synth/transfer: synth/field
-synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
+synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/field synth/playing synth/transfer
 synth/scene/frames: media/frame media/picture media/video hints vision synth/sampling synth/scene synth/scene/rendering synth/transfer synth/transfer/files
 synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers synth/scene/frames
 starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate

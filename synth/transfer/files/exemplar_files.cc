@@ -20,6 +20,7 @@
 #include "platform/likeness.h"
 #include "stored/clip_frames.h"
 #include "stored/clip_loop.h"
+#include "synth/field/grid.h"
 #include "synth/playing/timeline.h"
 #include "synth/transfer/files/exemplar_motion.h"
 
@@ -126,8 +127,10 @@ Frames stored(const store::Snapshot& snapshot, const std::string& name) {
 cv::Mat premultiplied(const cv::Mat& bgra) {
   cv::Mat out;
   bgra.convertTo(out, CV_32F, 1.0 / kMax);
-  out.forEach<cv::Vec4f>([](cv::Vec4f& at, const int*) {
-    for (int c = 0; c < 3; ++c) at[c] *= at[3];
+  for_rows(out.rows, [&](int y) {
+    auto* row = out.ptr<cv::Vec4f>(y);
+    for (int x = 0; x < out.cols; ++x)
+      for (int c = 0; c < 3; ++c) row[x][c] *= row[x][3];
   });
   return out;
 }
