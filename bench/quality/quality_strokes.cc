@@ -56,8 +56,9 @@ class Streamline {
 
  private:
   bool inside(cv::Point2f p) const {
-    return p.x >= 0 && p.y >= 0 && p.x < static_cast<float>(matte_.cols) &&
-           p.y < static_cast<float>(matte_.rows) && matte_.at<std::uint8_t>(cv::Point(p)) > 127;
+    const cv::Point pixel(p);  // rounded: half a pixel before the end it lies beyond it
+    return p.x >= 0 && p.y >= 0 && pixel.x < matte_.cols && pixel.y < matte_.rows &&
+           matte_.at<std::uint8_t>(pixel) > 127;
   }
   const cv::Mat &motion_, &matte_;
 };

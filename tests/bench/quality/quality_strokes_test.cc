@@ -66,6 +66,18 @@ TEST(QualityStrokes, StayInTheFluidAndAreFewerInLessOfIt) {
     for (const cv::Point2f& point : stroke.points) EXPECT_TRUE(fluid.contains(cv::Point(point)));
 }
 
+// Half a pixel before the right edge a point's pixel lies beyond it: below, the heap was written to.
+TEST(QualityStrokes, EndWithinThePicture) {
+  for (int slope = 0; slope < 20; ++slope)
+    for (const hints::Stroke& stroke : draw_strokes(motion_of([&](float x, float) {
+                                                      const float speed = x > 600 ? 4000 : 40;
+                                                      return cv::Vec2f(speed, speed * slope / 40);
+                                                    }),
+                                                    whole()))
+      for (const cv::Point2f& point : stroke.points)
+        EXPECT_TRUE(cv::Rect({}, kPicture).contains(cv::Point(point))) << point;
+}
+
 TEST(QualityStrokes, AreNoneWhereNothingFlows) {
   EXPECT_TRUE(draw_strokes(motion_of([](float, float) { return cv::Vec2f(1, 1); }), whole()).empty());
 }
