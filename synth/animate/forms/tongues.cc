@@ -73,15 +73,21 @@ void smooth(std::vector<double>& values) {
   out.copyTo(row);
 }
 
+/// Opening by a disc. Cost: two distance transforms, whatever its radius.
+cv::Mat opened(const cv::Mat& inside, double radius) {
+  cv::Mat out;
+  cv::distanceTransform(inside <= radius, out, cv::DIST_L2, 5);
+  return out <= radius;
+}
+
 /// A part without what is thin: a rim that crosses a flame, or what is lit around it.
 cv::Mat body_of(const cv::Mat& part) {
-  cv::Mat inside, opened, pieces, shape, centres;
+  cv::Mat inside, pieces, shape, centres;
   cv::distanceTransform(part, inside, cv::DIST_L2, 5);
   double radius = 0;
   cv::minMaxLoc(inside, nullptr, &radius);
-  const int side = 2 * static_cast<int>(kThin * radius) + 1;
-  cv::morphologyEx(part, opened, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
-  const int count = cv::connectedComponentsWithStats(opened, pieces, shape, centres, 8, CV_32S);
+  const int count =
+      cv::connectedComponentsWithStats(opened(inside, kThin * radius), pieces, shape, centres, 8, CV_32S);
   int largest = 0;
   for (int i = 1; i < count; ++i)
     if (largest == 0 || shape.at<int>(i, cv::CC_STAT_AREA) > shape.at<int>(largest, cv::CC_STAT_AREA))
@@ -202,16 +208,23 @@ std::vector<Tongue> tongues_of(const cv::Mat& level) {
   for (const float from : kShining) {
     const int count = cv::connectedComponentsWithStats(level > from, parts, shape, centres, 8, CV_32S);
     for (const int i : bright(parts, count, light, kLeastPart * all)) {
-      const cv::Mat core = body_of(parts == i);
-      const int area = cv::countNonZero(core);
-      if (area < kLeastArea || !is_slender(core) || !is_solid(core, area) ||
-          cv::countNonZero(core & taken) > 0 || lit(light, core) < kLeastPart * all ||
-          roughness(level, core) > kSmooth)
+      const cv::Rect around =
+          cv::Rect(shape.at<int>(i, cv::CC_STAT_LEFT) - 1, shape.at<int>(i, cv::CC_STAT_TOP) - 1,
+                   shape.at<int>(i, cv::CC_STAT_WIDTH) + 2, shape.at<int>(i, cv::CC_STAT_HEIGHT) + 2) &
+          cv::Rect({}, level.size());
+      const cv::Mat body = body_of(parts(around) == i);
+      const int area = cv::countNonZero(body);
+      const double part = lit(light(around), body) / all;
+      if (area < kLeastArea || !is_slender(body) || !is_solid(body, area) ||
+          cv::countNonZero(body & taken(around)) > 0 || part < kLeastPart ||
+          roughness(level(around), body) > kSmooth)
         continue;
+      cv::Mat core = cv::Mat::zeros(level.size(), CV_8U);
+      body.copyTo(core(around));
       cv::bitwise_or(taken, core, taken);
       cores.push_back(core);
       tongues.push_back(tongue_of(core));
-      tongues.back().part = lit(light, core) / all;
+      tongues.back().part = part;
     }
   }
   for (std::size_t i = 0; i < tongues.size(); ++i)
