@@ -120,10 +120,11 @@ double unrest(const TongueCourse& course) {
 }
 
 /// The course of the clip whose flame is a tongue in most frames; among equals, of the calmest.
-std::optional<TongueCourse> course_like(const store::Snapshot& snapshot,
-                                        std::span<const store::ClipId> clips) {
+std::optional<TongueCourse> course_like(const Animation& animation, std::span<const store::ClipId> clips) {
+  const store::Snapshot& snapshot = animation.snapshot;
   std::optional<TongueCourse> best;
   for (const store::ClipId clip : clips.first(std::min(clips.size(), kCourseClips))) {
+    animation.throw_if_stopped();
     const std::optional<TongueCourse> look = course_of(clip_forms(snapshot, clip, kCourseLook));
     if (!look) continue;
     if (!best || look->tongue > best->tongue ||
@@ -294,7 +295,7 @@ class OwnFlames final : public Renderer {
   std::vector<OwnTongue> found_tongues() {
     const std::vector<Tongue> tongues = tongues_of(parted_.level);
     if (tongues.empty()) return {};
-    course_ = course_like(animation_.snapshot, options_.clips);
+    course_ = course_like(animation_, options_.clips);
     if (!course_) return {};
     animation_.report.tongues = tongues.size();
     animation_.report.sways_as = course_->clip;
