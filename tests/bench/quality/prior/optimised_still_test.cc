@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "tests/bench/quality/still_and_flow.h"
 
 namespace freshet::bench {
 namespace {
@@ -16,18 +17,12 @@ namespace {
 const cv::Size kSize(96, 80);
 
 cv::Mat grain() {
-  cv::Mat still(kSize, CV_8UC3);
-  cv::RNG random(4);
-  random.fill(still, cv::RNG::UNIFORM, 0, 256);
-  cv::GaussianBlur(still, still, {}, 1.5);
+  cv::Mat still = grain_of(kSize, 1.5);
   cv::normalize(still, still, 0, 255, cv::NORM_MINMAX);
   return still;
 }
-cv::Mat whole() { return cv::Mat(kSize, CV_8U, cv::Scalar(255)); }
-cv::Mat steady(float u, float v) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(u, v)); }
-double levels_apart(const cv::Mat& a, const cv::Mat& b) {
-  return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total() * 3);
-}
+cv::Mat whole() { return all_of(kSize); }
+cv::Mat steady(float u, float v) { return flow_of(kSize, u, v); }
 
 TEST(OptimisedStill, WhereNothingFlowsItIsTheStill) {
   const std::vector<cv::Mat> made = optimise_still(grain(), whole(), steady(0, 0), 4);
