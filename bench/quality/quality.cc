@@ -17,6 +17,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -243,7 +244,7 @@ class Trial {
   }
 
   /// A rival goes as asked; where nothing is asked of direction or speed, as our labels do.
-  std::vector<cv::Mat> by_rival(const Labelled& labels, const bench::Method& method) const {
+  std::vector<cv::Mat> by_rival(const Labelled& labels, const bench::Method& method) {
     const query::MotionGuide& guide = labels.asked.rendering;
     cv::Mat fluid;
     case_.matte.convertTo(fluid, CV_32F, 1 / 255.0);
@@ -255,7 +256,8 @@ class Trial {
     const int frames = static_cast<int>(case_.truth.size());
     if (method.renderer == bench::Renderer::kOptimised)
       return bench::optimise_still(case_.still, case_.matte, motion / case_.fps, frames);
-    return bench::animate_by_example(case_.still, case_.matte, motion, case_.fps, example(), frames);
+    if (!example_) example_ = example();  // the same for all hints
+    return bench::animate_by_example(case_.still, case_.matte, motion, case_.fps, *example_, frames);
   }
 
   /// The clip that has the best candidate of most pieces, for the person who chooses one; played at the still's rate.
@@ -343,6 +345,7 @@ class Trial {
   const Asked& asked_;
   const bench::Case& case_;
   std::map<std::string, Labelled> labelled_;  // by all that labels depend on
+  std::optional<bench::VideoExample> example_;
 };
 
 /// What is found of a still among all other clips, of any class, when nothing is said.
