@@ -55,6 +55,17 @@ std::filesystem::path name_for_locks(const std::filesystem::path& file) {
   return unknown ? file : found;
 }
 
+/// LMDB writes to its lock file through a map, which ends the process where the disk has no room for a page of it. This
+/// takes the room beforehand, and is false where there is none. All other faults are left to LMDB.
+bool has_room(const std::string& lock_file) {
+  constexpr off_t kBytes = 128 + 64 * off_t{kMaxReaders};  // as LMDB lays it out
+  const int fd = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0666);
+  if (fd < 0) return true;
+  const int code = fallocate(fd, 0, 0, kBytes) == 0 ? 0 : errno;
+  ::close(fd);
+  return code != ENOSPC && code != EDQUOT;
+}
+
 [[noreturn]] void throw_not_created(const std::filesystem::path& file, int code) {
   throw Error(ErrorKind::kIo, file.string(), std::string("cannot be created (") + std::strerror(code) + ")",
               code == EEXIST                     ? "Choose another name, or remove it first"
@@ -197,8 +208,9 @@ void Environment::open_map(const std::filesystem::path& at) {
   const std::size_t min_bytes = std::max<std::size_t>(2 * file_bytes(), std::size_t{1} << 26);
   const unsigned flags = access_ == Access::kRead ? MDB_RDONLY : 0;
   const std::string lock_file = at.string() + "-lock";
+  const bool room = has_room(lock_file);
   std::optional<std::uint64_t> before = inode_of(lock_file);
-  int code = open_largest_map(at, min_bytes, flags);
+  int code = room ? open_largest_map(at, min_bytes, flags) : ENOSPC;
   // LMDB does not say which file it has opened. It is that which bore the name both before and after.
   for (int attempt = 0; code == 0; ++attempt) {
     const std::optional<std::uint64_t> after = inode_of(lock_file);
@@ -219,14 +231,15 @@ void Environment::open_map(const std::filesystem::path& at) {
     before = after;
     code = open_largest_map(at, min_bytes, flags);
   }
-  if ((code == EACCES || code == EPERM || code == EROFS) && access_ == Access::kRead) {
+  if ((code == EACCES || code == EPERM || code == EROFS || !room) && access_ == Access::kRead) {
     // No lock file can be made here. Pages are safe as long as nobody writes, and the locks on the store say
     // so.
     unlocked_reader_ = true;
     lock_byte(fd_, kUnlockedReaderByte, F_RDLCK);
     if (others_hold(fd_, kWriterByte)) {
       throw Error(ErrorKind::kIo, file_.string(), "is being written, and its lock file cannot be opened",
-                  "Get permission to write to " + file_.string() + "-lock, or wait for the writer");
+                  room ? "Get permission to write to " + file_.string() + "-lock, or wait for the writer"
+                       : "Free space on the disk, or wait for the writer");
     }
     code = open_largest_map(at, min_bytes, flags | MDB_NOLOCK);
   }

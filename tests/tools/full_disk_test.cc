@@ -76,5 +76,35 @@ TEST(FullDisk, ARealOneIsAnsweredTheSame) {
   EXPECT_NE(outcome.err.find("free space"), std::string::npos) << outcome.err;
 }
 
+TEST(FullDisk, AStoreIsReadWhereThereIsNoRoomForItsLockFile) {
+  const WorkFolder folder;
+  if (folder.run({"unshare", "-rm", "sh", "-c", "mount -t tmpfs t /mnt"}).exit_code != 0)
+    GTEST_SKIP() << "needs a small file system: run where unshare -rm and mount work";
+  fs::create_directories(folder / "small");
+  const auto on_full_disk = [&](const std::vector<std::string>& command) {
+    std::vector<std::string> words{
+        "unshare",
+        "-rm",
+        "sh",
+        "-c",
+        "mount -t tmpfs -o size=$1 t small && cp \"$2\" small/a.store && shift 2 || exit 9; "
+        "cat /dev/zero > small/filler 2> rest; \"$@\"",
+        "sh",
+        std::to_string(fs::file_size(sample().store) + (40 << 10)),
+        sample().store,
+        executable()};
+    words.insert(words.end(), command.begin(), command.end());
+    return folder.run(words);
+  };
+  const Outcome read = on_full_disk({"store", "digest", "small/a.store"});
+  EXPECT_EQ(read.exit_code, 0) << read.err;
+  EXPECT_EQ(read.out, digest(sample().store));
+  const Outcome written = on_full_disk({"index", "--rebuild", "small/a.store"});
+  EXPECT_EQ(written.exit_code, 1);
+  EXPECT_NE(written.err.find("small/a.store: cannot be opened (No space left on device)"), std::string::npos)
+      << written.err;
+  EXPECT_NE(written.err.find("free space on the disk and run again"), std::string::npos) << written.err;
+}
+
 }  // namespace
 }  // namespace freshet::tools
