@@ -30,8 +30,8 @@ std::string size_text(std::uint64_t bytes) { return bytes_text(static_cast<doubl
 /// What a rewrite in place has come to.
 void print_sizes(const RewriteCommand& command, const store::FileSizes& sizes) {
   if (sizes.old_names > 0)
-    say(fmt::format("{}: the file has {} other names (hard links), which have the store as it was",
-                    command.store, sizes.old_names));
+    say(fmt::format("{}: the file has {} other name{} (hard links), with the store as it was", command.store,
+                    sizes.old_names, sizes.old_names == 1 ? "" : "s"));
   if (command.json)
     fmt::print(
         "{}\n",

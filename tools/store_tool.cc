@@ -93,9 +93,9 @@ nlohmann::json settings_of(const store::Snapshot& snapshot, std::vector<std::str
 void report_faults(const std::string& store, const std::vector<std::string>& faults, RunContext& context) {
   if (faults.empty()) return;
   say(fmt::format(
-      "{}: {} damaged records. Restore the file from a copy, or save the clips that are whole: freshet "
+      "{}: {} damaged record{}. Restore the file from a copy, or save the clips that are whole: freshet "
       "store repair",
-      store, faults.size()));
+      store, faults.size(), faults.size() == 1 ? "" : "s"));
   context.exit_code = 3;
 }
 
@@ -117,7 +117,8 @@ std::string index_text(const store::Snapshot& snapshot) {
   return text;
 }
 
-/// Numbers come from records' headers: these are compared with what the clips say of them.
+/// Numbers come from records' headers: these are compared with what the clips say of them. What they unpack to is not
+/// said where that is not so.
 void info(const StoreCommand& command, RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   std::vector<std::string> faults = snapshot.check_account();
@@ -144,7 +145,7 @@ void info(const StoreCommand& command, RunContext& context) {
       json["usage"].push_back({{"what", use.what},
                                {"records", use.records},
                                {"stored_bytes", use.stored_bytes},
-                               {"raw_bytes", use.raw_bytes}});
+                               {"raw_bytes", whole ? nlohmann::json(use.raw_bytes) : nlohmann::json()}});
     if (!faults.empty()) json["damaged"] = faults;
     if (whole && one_file) json["compacted_bytes"] = store::compacted_size(command.store).after;
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -165,8 +166,8 @@ void info(const StoreCommand& command, RunContext& context) {
   Table usage({"what", "records", "stored", "raw", "ratio"});
   for (const auto& use : snapshot.usage())
     usage.row({use.what, fmt::format("{}", use.records), bytes_text(static_cast<double>(use.stored_bytes)),
-               use.raw_bytes ? bytes_text(static_cast<double>(use.raw_bytes)) : "-",
-               use.raw_bytes && use.stored_bytes
+               whole && use.raw_bytes ? bytes_text(static_cast<double>(use.raw_bytes)) : "-",
+               whole && use.raw_bytes && use.stored_bytes
                    ? fmt::format("{:.2f}",
                                  static_cast<double>(use.raw_bytes) / static_cast<double>(use.stored_bytes))
                    : "-"});
