@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "freshet/error.h"
+#include "platform/open_remedy.h"
 
 namespace freshet::store {
 
@@ -39,13 +40,9 @@ void throw_lmdb(const std::filesystem::path& file, const std::string& doing, int
                   "Check the permissions of the file and of its folder");
     case ENOMEM:
       throw Error(ErrorKind::kIo, file.string(), fault, "Free memory and run again");
-    case EMFILE:
-    case ENFILE:
-      throw Error(ErrorKind::kIo, file.string(), fault,
-                  "Raise the limit of open files (ulimit -n), or close programs, and run again");
     default:
       throw Error(ErrorKind::kIo, file.string(), fault,
-                  "The store is as before; free space on the disk and run again");
+                  open_remedy(code, "The store is as before; free space on the disk and run again"));
   }
 }
 

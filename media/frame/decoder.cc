@@ -18,6 +18,7 @@ extern "C" {
 #include "media/frame/file_format.h"
 #include "media/frame/plain_frame.h"
 #include "media/frame/png_chunks.h"
+#include "platform/open_remedy.h"
 
 namespace freshet::media {
 namespace {
@@ -89,7 +90,8 @@ struct Decoder::File {
 
   explicit File(const std::filesystem::path& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
     if (descriptor < 0)
-      throw Error(ErrorKind::kInput, path.string(), std::strerror(errno), "Check its permissions");
+      throw Error(ErrorKind::kInput, path.string(), std::strerror(errno),
+                  open_remedy(errno, "Check its permissions"));
     auto* buffer = static_cast<unsigned char*>(av_malloc(kWindow));
     window = buffer ? avio_alloc_context(buffer, kWindow, 0, this, read, nullptr, seek) : nullptr;
     if (!window) {

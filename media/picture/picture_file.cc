@@ -14,6 +14,7 @@
 #include "freshet/error.h"
 #include "media/frame/decoder.h"
 #include "media/frame/file_format.h"
+#include "platform/open_remedy.h"
 #include "platform/standard_descriptors.h"
 #include "platform/unfinished_files.h"
 
@@ -41,7 +42,9 @@ Bytes read_bytes(const fs::path& path) {
     throw Error(ErrorKind::kInput, path.string(), fault ? fault.message() : "the file is above 2 GiB",
                 "Name a picture");
   const StdFile file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw Error(ErrorKind::kInput, path.string(), std::strerror(errno), "Check its permissions");
+  if (!file)
+    throw Error(ErrorKind::kInput, path.string(), std::strerror(errno),
+                open_remedy(errno, "Check its permissions"));
   Bytes bytes(size);
   bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
   if (bytes.empty())

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "freshet/error.h"
+#include "platform/open_remedy.h"
 #include "platform/standard_descriptors.h"
 #include "store/file_locks.h"
 #include "store/format/lmdb_layout.h"
@@ -41,7 +42,7 @@ struct Map {
     if (fd < 0)
       throw Error(ErrorKind::kInput, file.string(),
                   std::string("cannot be opened (") + std::strerror(errno) + ")",
-                  "Check the name and the permissions");
+                  open_remedy(errno, "Check the name and the permissions"));
     struct stat status {};
     if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) {
       ::close(fd);

@@ -238,6 +238,26 @@ TEST_F(BadStore, WhateverByteIsDamagedAnAnswerIsRightOrThereIsNone) {
   EXPECT_GE(noticed, 10) << "512 bytes can lie in a free page, but not every time";
 }
 
+TEST_F(BadStore, WhereTooFewFilesMayBeOpenedTheRemedyIsThat) {
+  copy_of_store(folder_);
+  const std::vector<std::vector<std::string>> commands{
+      {"store", "info", "copy.store"},
+      {"store", "repair", "copy.store", "-o", "new.store"},
+      {"query", "candidates", "copy.store", sample().still, "--whole"}};
+  int said = 0;
+  for (const auto& command : commands)
+    for (const int limit : {5, 6, 7, 8}) {
+      const Outcome outcome = folder_.freshet_after("ulimit -n " + std::to_string(limit), command);
+      if (outcome.err.find("Too many open files") == std::string::npos) continue;  // not loaded, or enough
+      EXPECT_EQ(outcome.exit_code, 1) << limit;
+      EXPECT_TRUE(outcome.err.find("ulimit -n") != std::string::npos ||
+                  outcome.err.find("Close other files") != std::string::npos)
+          << command[1] << " " << limit << outcome.err;
+      said += outcome.err.find("ulimit -n") != std::string::npos ? 1 : 0;
+    }
+  EXPECT_GE(said, 2);
+}
+
 TEST_F(BadStore, ACutOneIsDamaged) {
   folder_.file("cut.store", text_of(sample().store).substr(0, fs::file_size(sample().store) / 2));
   expect_no_store("cut.store", "the file has been cut", 3);
