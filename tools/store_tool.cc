@@ -25,6 +25,7 @@
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/console/table.h"
+#include "tools/options/target_files.h"
 
 namespace freshet::tools {
 namespace {
@@ -298,9 +299,10 @@ void add_store(CLI::App& app, RunContext& context) {
   auto [verifying, verified] =
       add("verify", "Check the place and the hash of every record; exit code 3 if one is damaged", false,
           true, [&context](const StoreCommand& c) { verify(c, context); });
-  verifying->add_option(
-      "--signed-by", verified->signed_by,
-      "Public key of minisign, or its file, that must have signed the store (STORE.minisig)");
+  verifying
+      ->add_option("--signed-by", verified->signed_by,
+                   "Public key of minisign, or its file, that must have signed the store (STORE.minisig)")
+      ->check(fault_of_key);
   add("digest",
       "One hash of all logical content: equal for equal clips and settings, whatever the order or threads",
       false, true, [](const StoreCommand& c) { digest(c); });

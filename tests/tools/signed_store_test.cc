@@ -65,6 +65,13 @@ TEST(SignedStore, AnotherStoreKeyOrSignatureIsRefused) {
   EXPECT_THAT(fault(folder, "other.pub"), HasSubstr("another key signed it"));
   EXPECT_THAT(fault(folder, "maker.key"), HasSubstr("no public key"));
   EXPECT_THAT(fault(folder, "none.pub"), HasSubstr("none.pub: it cannot be read"));
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"store", "verify", "signed.store", "--signed-by", ""},
+        {"query", "candidates", "signed.store", sample().still.string(), "--whole", "--signed-by", ""}}) {
+    const Outcome outcome = folder.freshet(command);  // a variable that is not set
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("--signed-by: an empty key would be anybody's"));
+  }
   const std::string good = text_of(folder / "signed.store"), mark = text_of(folder / "signed.store.minisig");
   folder.spoil("signed.store", good.size() - 9);
   EXPECT_THAT(fault(folder), HasSubstr("not those that were signed"));

@@ -9,6 +9,10 @@
 
 namespace freshet::tools {
 
+std::string fault_of_key(const std::string& key) {
+  return key.empty() ? "an empty key would be anybody's. Give the maker's, or leave the option out" : "";
+}
+
 void TargetFiles::add_to(CLI::App& command) {
   command.add_option(
       "STORE", store,
@@ -17,9 +21,11 @@ void TargetFiles::add_to(CLI::App& command) {
   command.add_option("PICTURE", picture, "REQUIRED. The still picture (PNG, JPEG, TIFF, ...)");
   command.add_option("--store", added, "Additional store, searched together with STORE; repeatable [none]")
       ->allow_extra_args(false);
-  command.add_option(
-      "--signed-by", signed_by,
-      "Public key of minisign, or its file: only stores that it signed (STORE.minisig) are read [any]");
+  command
+      .add_option(
+          "--signed-by", signed_by,
+          "Public key of minisign, or its file: only stores that it signed (STORE.minisig) are read [any]")
+      ->check(fault_of_key);
   CLI::Option* given = command.add_option("--matte", matte,
                                           "Grey picture, white where the fluid is [the picture's own alpha]");
   command.add_flag("--whole", whole, "All of the picture is fluid [off]")->excludes(given);
