@@ -14,7 +14,7 @@
 
 namespace freshet::tools {
 
-/// What is wrong with the key of --signed-by: it is empty, as of a shell's variable that is not set. Empty when nothing is.
+/// What is wrong with the key of --signed-by: it is empty, as of a variable that is not set. Empty when nothing is.
 std::string fault_of_key(const std::string& key);
 
 /// What is searched for: a picture and where its fluid is.
