@@ -6,7 +6,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/freshet)
 # Of a static library the rooms behind it are installed as archives alone: no header of theirs.
 if(NOT BUILD_SHARED_LIBS)
   foreach(room report cache store media hints vision stored ingest query search_benchmark field toml sampling outline playing
-               animate judging takes matte layers scene scene_frames flowlines flowlines_files simulate stills tour
+               animate judging takes matte layers scene scene_frames scene_measured flowlines flowlines_files simulate stills tour
                transfer transfer_files)
     set_target_properties(freshet_${room} PROPERTIES EXPORT_NAME ${room})
     install(TARGETS freshet_${room} EXPORT freshet-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)

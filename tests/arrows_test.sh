@@ -73,6 +73,7 @@ synth/stills: report cache media/frame media/picture hints synth/toml synth/matt
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/field synth/playing synth/transfer
 synth/scene/frames: media/frame media/picture media/video hints vision synth/sampling synth/scene synth/scene/rendering synth/transfer synth/transfer/files
+synth/scene/measured: store media/video vision stored synth/scene synth/scene/wind synth/scene/motion
 synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers synth/scene/frames
 starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate
 work: cache
@@ -82,7 +83,7 @@ studio/ways: cache media/picture synth/simulate/design synth/scene synth/scene/r
 studio: cache store media/frame media/picture media/video hints vision vision/look stored query/index query/search query/labelling synth/animate/motion synth/takes synth/animate synth/matte synth/scene synth/stills work studio/drawing studio/jobs studio/ways
 studio/http: studio
 library: store media/frame media/picture media/video hints vision vision/look stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/takes synth/matte
-library/ways: hints media/picture synth/flowlines synth/flowlines/files synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/scene/frames synth/stills synth/tour synth/transfer synth/transfer/files library
+library/ways: hints media/picture synth/flowlines synth/flowlines/files synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/scene/frames synth/scene/measured synth/stills synth/tour synth/transfer synth/transfer/files library
 python/binding:
 python/binding/ways: python/binding
 tools/console: store media/frame media/picture media/video query/index
@@ -93,7 +94,7 @@ tools/query: store media/picture vision/look stored query/labelling query/benchm
 tools/store: report store stored query/index query/search query/labelling studio tools/console tools/options tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
 tools/tour: media/picture synth/animate synth/tour tools/console tools/options
-tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/scene/frames synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging tools/tour
+tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/scene/frames synth/scene/measured synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging tools/tour
 '
 rooms="include platform report cache store media hints vision stored ingest query synth starter work studio library python tools"
 max_units=17  # in one folder: a header and its source file are one, and so is a source file without a header

@@ -12,6 +12,7 @@
 #include "library/opencv_threads.h"
 #include "media/picture/picture.h"
 #include "synth/scene/frames/made_frames.h"
+#include "synth/scene/measured/measured_plants.h"
 #include "synth/scene/printed_scene.h"
 #include "synth/scene/rendering/scene_animation.h"
 #include "synth/scene/rendering/scene_cut.h"
@@ -77,6 +78,7 @@ struct SceneFilm::Impl {
     size = still.bgr.size();
     for (const std::string& notice : still.notices) notices.push_back(asked.picture.string() + ": " + notice);
     scene::read_marks(asked, size, &notices);
+    scene::measure_plants(asked, &notices, job.stop);
     const std::vector<scene::LayerPixels> pixels = scene::cut_scene(
         asked, still, {},
         [&](std::size_t layer, const std::string&) {

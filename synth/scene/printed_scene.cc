@@ -56,6 +56,11 @@ class Printing {
         Section(file_, layer, name)
             .refuse(*shadow, "shadow", "contradicts --as-printed: the paper's layers cast none (Sec. 5)",
                     "Leave the key out, or --as-printed");
+      if (const toml::node* const film = layer.get("motion_from"))
+        Section(file_, layer, name)
+            .refuse(*film, "motion_from",
+                    "contradicts --as-printed: the paper's plants learn from no film (Sec. 5)",
+                    "Leave the key out, or --as-printed");
       print(layer, motion, name);
     }
   }

@@ -122,6 +122,41 @@ TEST(SceneTool, MixesPatchesAndFootage) {
             8);
 }
 
+TEST(SceneTool, ATreeSwaysAsTheOneOfAFilmOrOfAStoresClip) {
+  const Landscape folder;
+  const std::string top = "frames = 64\nfps = 25", tree = "armature = [40, 80, 40, 20]";
+  const auto scene = [&](const std::string& more) {
+    folder.file(
+        "scene.toml",
+        "picture = \"still.png\"\n" + top +
+            "\n[wind]\nspeed = 8\n[[layer]]\nname = \"tree\"\nmatte = \"tree.png\"\nmotion = \"tree\"\n" +
+            tree + "\n" + more);
+  };
+  scene("frequency = 1.5\nmass = 0.3");
+  ASSERT_EQ(folder.render({"-o", "plants/swaying.mkv"}).exit_code, 0);
+  const std::string there = "\nmotion_armature = [40, 80, 40, 20]\n";
+  scene("motion_from = \"plants/swaying.mkv\"" + there);
+  Outcome outcome = folder.render({"-o", "film.mkv"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("layer tree: in 2.6 s of "), std::string::npos) << outcome.err;
+  ASSERT_EQ(folder
+                .freshet({"ingest", "plants.store", "plants/swaying.mkv", "--force", "--no-index",
+                          "--min-coverage", "0"})
+                .exit_code,
+            0);
+  scene("motion_from = \"plants.store\"\nmotion_clip = \"swaying.mkv\"" + there);
+  outcome = folder.render({"-o", "store.mkv"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(text_of(folder / "film.mkv"), text_of(folder / "store.mkv"));
+  scene({});
+  ASSERT_EQ(folder.render({"-o", "usual.mkv"}).exit_code, 0);
+  EXPECT_NE(text_of(folder / "film.mkv"), text_of(folder / "usual.mkv"));
+  scene("motion_from = \"plants.store\"\nmotion_clip = \"oak\"" + there);
+  outcome = folder.render({"-o", "oak.mkv"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("plants.store has no clip of this name"), std::string::npos) << outcome.err;
+}
+
 TEST(SceneTool, LayersOfOneFileAreThoseOfManyNumberedAsTheFilm) {
   const Landscape folder;
   folder.scene();

@@ -16,6 +16,7 @@
 #include "platform/stopwatch.h"
 #include "synth/scene/layers/cut_layers.h"
 #include "synth/scene/layers/layer_paint.h"
+#include "synth/scene/measured/measured_plants.h"
 #include "synth/scene/rendering/scene_cut.h"
 #include "synth/scene/scene_file.h"
 #include "synth/scene/scene_marks.h"
@@ -67,7 +68,9 @@ void run_layers(LayersCommand& command, const RunContext& context) {
   const media::Still still = media::read_still(asked.picture);
   for (const std::string& notice : still.notices) say(asked.picture.string() + ": " + notice);
   std::vector<std::string> notices;
-  scene::read_marks(asked, still.bgr.size(), &notices);  // how far a tree sways is what it uncovers
+  // How far a tree sways is what it uncovers.
+  scene::read_marks(asked, still.bgr.size(), &notices);
+  scene::measure_plants(asked, &notices, context.stop);
   if (!asked.cut.empty())
     notices.push_back(command.file.string() + ": its layers are cut anew, and not taken from " +
                       asked.cut.string());

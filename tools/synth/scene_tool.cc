@@ -16,6 +16,7 @@
 #include "platform/stopwatch.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/scene/frames/made_frames.h"
+#include "synth/scene/measured/measured_plants.h"
 #include "synth/scene/printed_scene.h"
 #include "synth/scene/rendering/scene_animation.h"
 #include "synth/scene/rendering/scene_cut.h"
@@ -148,6 +149,7 @@ void run_scene(SceneCommand& command, const RunContext& context) {
   loaded.matte = cv::Mat(loaded.picture.size(), CV_8U, cv::Scalar(255));
   std::vector<std::string> notices;
   scene::read_marks(asked, loaded.picture.size(), &notices);
+  scene::measure_plants(asked, &notices, context.stop);
 
   synth::animate::FrameOptions form;
   form.frames = asked.frames;

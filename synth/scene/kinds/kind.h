@@ -6,6 +6,7 @@
 namespace freshet::synth {
 template <class Object>
 struct Key;
+class Section;
 }
 
 namespace freshet::synth::scene {

@@ -6,6 +6,9 @@ namespace freshet::synth::scene {
 namespace {
 
 void read_armatures(Section& section, TreeMotion& tree) { tree.armatures = lines_of(section, "armature"); }
+void read_motion_armatures(Section& section, TreeMotion& tree) {
+  tree.motion_armatures = lines_of(section, "motion_armature");
+}
 
 /// What is usual for each kind of plant; every key after it can still be given.
 void take_plant(TreeMotion& tree, std::size_t plant) {
@@ -21,6 +24,24 @@ void take_plant(TreeMotion& tree, std::size_t plant) {
 }
 
 }  // namespace
+
+void TreeMotion::check(const Section& section) const {
+  for (const char* const key : {"motion_clip", "motion_armature"})
+    if (motion_from.empty() && section.has(key))
+      section.refuse(key, "it belongs to motion_from, and there is none",
+                     "Give motion_from = \"FILM\", or take " + std::string(key) + " out");
+  if (motion_from.empty()) return;
+  for (const char* const key : {"frequency", "damping", "mass"})
+    if (section.has(key))
+      section.refuse(key, "it is measured in motion_from", "Leave out the one or the other");
+  if (motion_armatures.empty())
+    section.refuse("motion_from", "nothing says where in it the plant stands",
+                   "Give motion_armature = [x, y, x, y] from root to tip in its first frame, px of it");
+  for (const Line& line : motion_armatures)
+    if (cv::norm(line.to - line.from) < 4)
+      section.refuse("motion_armature", "it is shorter than 4 px",
+                     "Draw it from the plant's root to its tip");
+}
 
 template <>
 const std::vector<Key<TreeMotion>>& keys_of<TreeMotion>() {
@@ -57,7 +78,22 @@ const std::vector<Key<TreeMotion>>& keys_of<TreeMotion>() {
        "standard deviation of the leaves' own motion",
        {},
        Range{0, 4}},
-      {"shimmer_size", &TreeMotion::shimmer_size_px, {4, 500}, "px", "size of what shimmers together"}};
+      {"shimmer_size", &TreeMotion::shimmer_size_px, {4, 500}, "px", "size of what shimmers together"},
+      {"motion_from",
+       &TreeMotion::motion_from,
+       {},
+       "",
+       "a video, numbered sequence, folder or store that shows such a plant sway: frequency, damping and "
+       "mass "
+       "are those under which the scene's wind, at its strongest, moves it as it is seen there",
+       "none"},
+      {"motion_clip", &TreeMotion::motion_clip, {}, "", "of a store: the clip's name", "none"},
+      {"motion_armature",
+       read_motion_armatures,
+       {},
+       "",
+       "as armature, of the plant in the first frame of motion_from, px of it; needed there",
+       "none"}};
   return keys;
 }
 

@@ -1,6 +1,8 @@
 // synth/scene/kinds/tree.h — branches and plants (Chuang et al. 2005, Sec. 3.2).
 #pragma once
 
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "synth/scene/kinds/kind.h"
@@ -20,6 +22,12 @@ struct TreeMotion {
   double shimmer_px = 0;        // Sec. 5: standard deviation of the leaves' own motion at the mean wind
   double shimmer_size_px = 12;  // of what shimmers together
   bool stand = false;  // its armatures have one turbulence, as what stands close together; else each its own
+  /// Film, or store and its clip, of a plant that sways; frequency, damping and mass are then measured (measure_plants).
+  std::filesystem::path motion_from{};
+  std::string motion_clip{};
+  std::vector<Line> motion_armatures{};  // px of the film's first frame
+
+  void check(const Section& section) const;
 };
 
 template <>

@@ -42,6 +42,11 @@ Harmonics harmonics_of(const std::vector<double>& values, const Cycle& cycle) {
 
 }  // namespace
 
+double force_strength(const Wind& wind, cv::Point2d direction) {
+  const double sideways = std::hypot(std::cos(angle_of(wind)), kAcross * std::sin(angle_of(wind)));
+  return std::hypot(direction.x * sideways, direction.y * kUpright);
+}
+
 Gusts::Gusts(const Wind& wind, const Cycle& cycle, int picture_width)
     : Gusts(wind, cycle, wind.width_m / picture_width) {}
 

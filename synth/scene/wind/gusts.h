@@ -14,6 +14,9 @@
 
 namespace freshet::synth::scene {
 
+/// Standard deviation of the force on what gives way along `direction` (as Gusts::force), a share of the wind speed's.
+double force_strength(const Wind& wind, cv::Point2d direction);
+
 /// One scene's wind: turbulence that is carried along unchanged (Taylor's frozen turbulence), and a share that each
 /// place has for itself. Beyond the paper, where one mean wind holds everywhere (its Sec. 5 names gusts as future
 /// work); with gustiness 0 every place has only its own.
