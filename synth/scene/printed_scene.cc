@@ -56,6 +56,10 @@ class Printing {
         Section(file_, layer, name)
             .refuse(*shadow, "shadow", "contradicts --as-printed: the paper's layers cast none (Sec. 5)",
                     "Leave the key out, or --as-printed");
+      if (const toml::node* const glow = layer.get("glow"))
+        Section(file_, layer, name)
+            .refuse(*glow, "glow", "contradicts --as-printed: the paper's layers light none",
+                    "Leave the key out, or --as-printed");
       if (const toml::node* const film = layer.get("motion_from"))
         Section(file_, layer, name)
             .refuse(*film, "motion_from",

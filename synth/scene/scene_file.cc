@@ -163,7 +163,8 @@ const std::vector<Key<SceneLayer>>& layer_keys() {
        "",
        "of patches, transfer and footage: how much brighter all layers around it are for each time that its "
        "light exceeds that of its first frame with any, which the still shows; but for clouds, added light "
-       "and other fires",
+       "and other fires. Of water: the same of its glints, each about where it glitters; but for glittering "
+       "water",
        {},
        Range{0, 1}},
       {"glow_reach",
@@ -171,7 +172,7 @@ const std::vector<Key<SceneLayer>>& layer_keys() {
        {1, kFarPx},
        "px",
        "distance at which half of that is left",
-       "a fifth of the picture's longer side"}};
+       "a fifth of the picture's longer side; of water .03 of it"}};
   return keys;
 }
 
@@ -275,9 +276,9 @@ void read_shadow(Section& section, SceneLayer& layer) {
 }
 
 void check_glow(const Section& section, const SceneLayer& layer) {
-  if (layer.glow > 0 && !layer.brings_frames())
+  if (layer.glow > 0 && !layer.brings_frames() && layer.as<WaterMotion>() == nullptr)
     section.refuse("glow", fmt::format("a layer of motion \"{}\" has one light all the time", layer.kind()),
-                   "Give it to a fire: a layer of patches, transfer or footage");
+                   "Give it to a fire, a layer of patches, transfer or footage, or to water that glitters");
 }
 
 SceneLayer read_layer(Section& section, int place) {

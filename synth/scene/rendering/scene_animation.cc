@@ -223,12 +223,25 @@ SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> 
 void SceneAnimation::place_glows(const Scene& scene) {
   for (std::size_t i = 0; i < placed_.size(); ++i) {
     const SceneLayer& layer = scene.layers[i];
-    if (layer.glow == 0) continue;
+    if (layer.glow == 0 || !layer.brings_frames()) continue;
     placed_[i].glow = std::make_unique<LayerGlow>(layer.glow, layer.glow_reach_px, picture_);
     falling_.push_back(&placed_[i].glow->light());
   }
+  fires_ = falling_.size();
+  const Stillness still;
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    const SceneLayer& layer = scene.layers[i];
+    if (layer.glow == 0 || layer.as<WaterMotion>() == nullptr || placed_[i].sprite.box.empty()) continue;
+    alone_.create(picture_, CV_32FC4);
+    const MovedSprite as_cut{&placed_[i].sprite, &still};
+    composite(std::span(&as_cut, 1), alone_);
+    placed_[i].glitter = std::make_unique<GlitterGlow>(layer.glow, layer.glow_reach_px, alone_);
+    falling_.push_back(&placed_[i].glitter->light());
+  }
+  const std::span<const FallingLight* const> all(falling_);
   for (std::size_t i = 0; i < placed_.size(); ++i)
-    if (lies_in_light(scene.layers[i]) && placed_[i].glow == nullptr) moved_[i].falling = falling_;
+    if (lies_in_light(scene.layers[i]) && placed_[i].glow == nullptr)
+      moved_[i].falling = placed_[i].glitter == nullptr ? all : all.first(fires_);
 }
 
 void SceneAnimation::place_shadows(const Scene& scene, std::span<const LayerPixels> pixels) {
@@ -297,6 +310,9 @@ void SceneAnimation::place_mirrors(const Scene& scene, std::span<const LayerPixe
     const SceneLayer& layer = scene.layers[i];
     if (layer.as<WaterMotion>() != nullptr || layer.as<BoatMotion>() != nullptr) continue;
     mirrored_.push_back(moved_[i]);
+    // Water's own light is known only once it mirrors.
+    auto& falling = mirrored_.back().falling;
+    falling = falling.first(std::min(falling.size(), fires_));
     if (!layer.is_cut()) continue;
     const bool brings = layer.brings_frames();
     if (brings) as_cut.push_back(make_sprite(pixels[i].colour, pixels[i].alpha, Outline::kMoves));
@@ -398,6 +414,12 @@ void SceneAnimation::render(int frame, cv::Mat& out) {
   if (!beyond_.empty()) composite(mirrored_, beyond_);
   for (Placed& placed : placed_)
     if (placed.mirror != nullptr) placed.mirror->reflect(beyond_, placed.sprite);
+  for (Placed& placed : placed_) {
+    if (placed.glitter == nullptr) continue;
+    const MovedSprite alone{&placed.sprite, placed.motion.get()};
+    composite(std::span(&alone, 1), alone_);
+    placed.glitter->see(alone_);
+  }
   composite(moved_, out);
   seconds_.composite += watch.seconds();
 }

@@ -13,6 +13,7 @@
 #include "synth/scene/motion/motion.h"
 #include "synth/scene/rendering/cloud_shade.h"
 #include "synth/scene/rendering/composite.h"
+#include "synth/scene/rendering/glitter_glow.h"
 #include "synth/scene/rendering/layer_frames.h"
 #include "synth/scene/rendering/layer_glow.h"
 #include "synth/scene/rendering/layer_shadow.h"
@@ -94,6 +95,7 @@ class SceneAnimation {
     const WaterSurface* surface = nullptr;  // the motion, where it is water that is to be seen
     bool rides = false;                     // on another layer's motion, which goes first
     std::unique_ptr<LayerGlow> glow;
+    std::unique_ptr<GlitterGlow> glitter;
     std::unique_ptr<LayerShadow> shadow;
     cv::Mat light;                    // CV_32F, that this shadow and those of nearer layers leave
     const cv::Mat* nearer = nullptr;  // of the next nearer shadow
@@ -103,7 +105,7 @@ class SceneAnimation {
   void place_motion(const Scene& scene, std::size_t i);
   /// Shadows, and which layers lie in them.
   void place_shadows(const Scene& scene, std::span<const LayerPixels> pixels);
-  /// Fires, and which layers they light.
+  /// Fires and glittering waters, and which layers they light.
   void place_glows(const Scene& scene);
   /// The light of the frame that all motions have gone to.
   void cast_shadows(int frame);
@@ -119,10 +121,11 @@ class SceneAnimation {
   std::vector<MovedSprite> moved_;
   std::vector<MovedSprite> mirrored_;         // all but waters and what floats
   cv::Mat beyond_;                            // CV_32FC4, of mirrored_; empty where no water mirrors
-  std::vector<const FallingLight*> falling_;  // of all glows
+  std::vector<const FallingLight*> falling_;  // of all fires, and then of all glittering waters
+  std::size_t fires_ = 0;                     // of these
   std::unique_ptr<CloudShade> shade_;
   cv::Mat shaded_;  // CV_32F, the light that shade_ leaves
-  cv::Mat alone_;   // CV_32FC4, a layer that casts a shadow
+  cv::Mat alone_;   // CV_32FC4, a layer that casts a shadow, or glitters
   SceneSeconds seconds_;
 };
 

@@ -1,4 +1,4 @@
-// The light of a fire on what is around it.
+// The light of a fire, and of glittering water, on what is around it.
 #include "synth/scene/rendering/layer_glow.h"
 
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "freshet/error.h"
+#include "synth/scene/rendering/glitter_glow.h"
 #include "tests/synth/scene/made_scene.h"
 
 namespace freshet::synth::scene {
@@ -95,7 +96,69 @@ TEST(LayerGlow, IsNoPropertyOfWhatHasOneLight) {
   } catch (const Error& e) {
     EXPECT_THAT(e.what(),
                 ::testing::AllOf(::testing::HasSubstr("glow: a layer of motion \"tree\" has one light"),
-                                 ::testing::HasSubstr("Give it to a fire")));
+                                 ::testing::HasSubstr("Give it to a fire, a layer")));
+  }
+}
+
+/// Water in the lower half, with a glint of 6 px at each place.
+cv::Mat glittering(const std::vector<cv::Point>& places, float bright = 1) {
+  cv::Mat water(150, 200, CV_32FC4, cv::Scalar::all(0));
+  water.rowRange(75, 150).setTo(cv::Scalar(0.2, 0.2, 0.2, 1));
+  for (const cv::Point& at : places)
+    water(cv::Rect(at.x - 3, at.y - 3, 6, 6)) = cv::Scalar(0.25 * bright, 0.5 * bright, bright, 1);
+  return water;
+}
+
+TEST(GlitterGlow, PlaysAboutEachGlint) {
+  const cv::Mat still = glittering({{50, 90}, {150, 90}});
+  GlitterGlow glow(0.8, 12.0, still);
+  const cv::Mat& falloff = *glow.light().falloff;
+  EXPECT_NEAR(glow.light().gain[0], 0.8 * 0.25, 1e-6);
+  EXPECT_NEAR(glow.light().gain[1], 0.8 * 0.5, 1e-6);
+  EXPECT_NEAR(glow.light().gain[2], 0.8, 1e-6);
+  glow.see(still);
+  EXPECT_LT(cv::norm(falloff, cv::NORM_INF), 1e-5) << "the still is as its own glints light it";
+  glow.see(glittering({{50, 90}, {100, 90}}));
+  EXPECT_NEAR(falloff.at<float>(90, 100), 1, 0.06) << "as much more as the still's brightest place has";
+  EXPECT_NEAR(falloff.at<float>(78, 100), 0.5, 0.06) << "half of it at the reach";
+  EXPECT_NEAR(falloff.at<float>(90, 150), -1, 0.06) << "it went out";
+  EXPECT_NEAR(falloff.at<float>(90, 50), 0, 0.02);
+  EXPECT_NEAR(falloff.at<float>(20, 100), 0, 0.02) << "far away";
+
+  GlitterGlow dull(1, 12.0, glittering({}));
+  dull.see(still);
+  EXPECT_EQ(cv::norm(*dull.light().falloff, cv::NORM_INF), 0) << "the still does not glitter";
+}
+
+TEST(GlitterGlow, FallsOnWhatIsBesideTheWaterInAnyOrderOfFrames) {
+  const auto frames = [](const std::string& keys, const std::vector<int>& order) {
+    std::string text = made_scene_text("speed = 8");
+    text.insert(text.find("amplitude = 6"), keys);
+    MadeScene lit(text);
+    std::vector<cv::Mat> out(20);
+    for (const int frame : order) {
+      cv::Mat one(kMadeSize, CV_32FC4);
+      lit.animation().render(frame, one);
+      out[static_cast<std::size_t>(frame)] = one;
+    }
+    return out;
+  };
+  const std::vector<cv::Mat> plain = frames("", {3, 7, 12});
+  for (const std::string more : {"", "mirrors = true\n"}) {
+    const std::vector<cv::Mat> lit = frames("glow = 1\n" + more, {3, 7, 12}),
+                               again = frames("glow = 1\n" + more, {12, 3, 7});
+    double most = 0;
+    for (const std::size_t at : {3u, 7u, 12u}) {
+      EXPECT_EQ(cv::norm(lit[at], again[at], cv::NORM_INF), 0) << more << at;
+      const cv::Mat change = cv::abs(lit[at] - plain[at]);
+      most = std::max(most, cv::norm(change(cv::Rect(80, 75, 40, 14)), cv::NORM_INF));
+      EXPECT_EQ(cv::norm(change(cv::Rect(60, 0, 100, 40)), cv::NORM_INF), 0) << "the sky";
+      if (more.empty()) {
+        EXPECT_LT(cv::norm(change(cv::Rect(0, 100, 160, 20)), cv::NORM_INF), 1e-3)
+            << "the water is as it was";
+      }
+    }
+    EXPECT_GT(most, 0.02) << "the boat";
   }
 }
 
