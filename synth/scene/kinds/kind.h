@@ -7,7 +7,7 @@ namespace freshet::synth {
 template <class Object>
 struct Key;
 class Section;
-}
+}  // namespace freshet::synth
 
 namespace freshet::synth::scene {
 
