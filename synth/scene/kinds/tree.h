@@ -22,7 +22,7 @@ struct TreeMotion {
   double shimmer_px = 0;        // Sec. 5: standard deviation of the leaves' own motion at the mean wind
   double shimmer_size_px = 12;  // of what shimmers together
   bool stand = false;  // its armatures have one turbulence, as what stands close together; else each its own
-  /// Film, or store and its clip, of a plant that sways; frequency, damping and mass are then measured (measure_plants).
+  /// Film, or store and its clip, of a plant: frequency, damping and mass are then measured in it (measure_plants).
   std::filesystem::path motion_from{};
   std::string motion_clip{};
   std::vector<Line> motion_armatures{};  // px of the film's first frame
