@@ -36,7 +36,7 @@ FRESHET_WIDE void part(const float* pairs, int n, float* first, float* second) {
 
 /// Along one axis of n samples: offsets of the samples before and after each place, `step` between two of them, and
 /// their weights.
-FRESHET_WIDE void find_taps(const float* at, int n, int samples, int step, float beyond, std::int32_t* before,
+FRESHET_WIDE void find_taps(const float* at, int n, int samples, int step, std::int32_t* before,
                             std::int32_t* after, float* of_before, float* of_after) {
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
@@ -45,8 +45,8 @@ FRESHET_WIDE void find_taps(const float* at, int n, int samples, int step, float
     const std::int32_t a = clamped(first, samples), b = clamped(first + 1, samples);
     before[i] = a * step;
     after[i] = b * step;
-    of_before[i] = (1 - fraction) * (a == first ? 1.0f : beyond);
-    of_after[i] = fraction * (b == first + 1 ? 1.0f : beyond);
+    of_before[i] = (1 - fraction);
+    of_after[i] = fraction;
   }
 }
 
@@ -97,7 +97,7 @@ FRESHET_WIDE void read_fours(const float* plane, const std::int32_t* l, const st
 
 }  // namespace
 
-void read_remapped(const cv::Mat& plane, const cv::Mat& places, Beyond beyond, cv::Mat& out) {
+void read_remapped(const cv::Mat& plane, const cv::Mat& places, cv::Mat& out) {
   const int channels = plane.channels(), n = places.cols;
   CV_Assert(plane.depth() == CV_32F && places.type() == CV_32FC2 &&
             (channels == 1 || channels == 2 || channels == 4));
@@ -107,13 +107,12 @@ void read_remapped(const cv::Mat& plane, const cv::Mat& places, Beyond beyond, c
   auto& [left, right, above, below] = taps.offsets;
   auto& [of_left, of_right, of_above, of_below] = taps.weights;
   const auto read = channels == 1 ? read_ones : channels == 2 ? read_pairs : read_fours;
-  const float missing = beyond == Beyond::kEdge ? 1 : 0;
   for (int y = 0; y < places.rows; ++y) {
     part(places.ptr<float>(y), n, taps.x.data(), taps.y.data());
-    find_taps(taps.x.data(), n, plane.cols, channels, missing, left.data(), right.data(), of_left.data(),
+    find_taps(taps.x.data(), n, plane.cols, channels, left.data(), right.data(), of_left.data(),
               of_right.data());
-    find_taps(taps.y.data(), n, plane.rows, static_cast<int>(plane.step1()), missing, above.data(),
-              below.data(), of_above.data(), of_below.data());
+    find_taps(taps.y.data(), n, plane.rows, static_cast<int>(plane.step1()), above.data(), below.data(),
+              of_above.data(), of_below.data());
     read(plane.ptr<float>(), left.data(), right.data(), above.data(), below.data(), of_left.data(),
          of_right.data(), of_above.data(), of_below.data(), n, out.ptr<float>(y));
   }

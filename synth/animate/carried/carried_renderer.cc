@@ -46,7 +46,11 @@ constexpr double kMaxLevel = 0.08;             // luma: fires breathe by less
 constexpr double kTextureTravel_px = 36, kShownIntervals = 1.5, kSpread_px = 70;
 constexpr double kMaxTextureGain = 1.5;  // two copies that begin displaced agree in nothing: they lose 1.41
 constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
-constexpr double kShareReach = 1;              // pieces: neighbours stand alike
+// Wide forms that go for so long, s, are bodies: clouds' go for 1.9 to 4 s, smoke's for .4 to 1 (slow to 2), those of
+// water and fire for up to .9 (34 clips).
+constexpr double kBodiesFrom_s = 1.4, kBodiesSure_s = 1.8;
+constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to another copy as a whole
+constexpr double kShareReach = 1;   // pieces: neighbours stand alike
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
 CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
@@ -165,12 +169,15 @@ class CarriedRenderer final : public Renderer {
   /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
   /// one size turn over in a time that falls as their speed rises.
   void measure_life() {
+    const PieceLives lives = piece_lives(animation_.snapshot, animation_.placement);
+    const double going_s = (1 - measured_shares().back()) * lives.forms_s;
+    const double t = std::clamp((going_s - kBodiesFrom_s) / (kBodiesSure_s - kBodiesFrom_s), 0.0, 1.0);
+    bodies_ = t * t * (3 - 2 * t);
     half_life_s_ = options_.half_life_s;
     if (half_life_s_ == 0) {
       const double faster =
           std::pow(pace(still_.assigned_motion, still_.asked_motion, animation_.matte), options_.life_pace);
-      half_life_s_ = std::clamp(piece_lives(animation_.snapshot, animation_.placement).overall_s / faster,
-                                kMinHalfLife_s, kMaxHalfLife_s);
+      half_life_s_ = std::clamp(lives.overall_s / faster, kMinHalfLife_s, kMaxHalfLife_s);
     }
     animation_.report.half_life_s = half_life_s_;
   }
@@ -243,6 +250,7 @@ class CarriedRenderer final : public Renderer {
     std::vector<cv::Mat> shares =
         layout_shares(animation_.snapshot, animation_.placement,
                       std::max(1, vision::levels_within(still_.target.size(), options_.contrast.levels)));
+    for (cv::Mat& share : shares) share *= 1 - bodies_;
     for (std::size_t level = kWideLevel; level < shares.size(); ++level)
       shares[level] *= options_.wide_layout;
     for (cv::Mat& share : shares)
@@ -314,7 +322,8 @@ class CarriedRenderer final : public Renderer {
     const int loop_frames = frames.loop ? frames.frames : 0;
     return {.interval = CopyMaps::interval_of(life_s, frames.fps, loop_frames),
             .loop_frames = loop_frames,
-            .patch = kLifePatch_px * animation_.placement.piece_scale / CarriedBase::kStep};
+            .patch = std::lerp(1, kBodiesPatch, bodies_) * kLifePatch_px * animation_.placement.piece_scale /
+                     CarriedBase::kStep};
   }
 
   /// What stands is not renewed: a rock in the matte, or what an artist holds still.
@@ -336,7 +345,7 @@ class CarriedRenderer final : public Renderer {
     std::vector<double> shares = measured_shares();
     for (std::size_t level = 0; level < shares.size(); ++level) {
       const double guessed = 0.5 * std::min(1.0, static_cast<double>(level) / kWideLevel);
-      shares[level] = options_.standing * std::pow(shares[level], 1 - guessed);
+      shares[level] = (1 - bodies_) * options_.standing * std::pow(shares[level], 1 - guessed);
     }
     return shares;
   }
@@ -356,7 +365,8 @@ class CarriedRenderer final : public Renderer {
       if (!rest_of_still_.empty())
         cv::scaleAdd(rest_of_still_, still_share(output), carried.luma, carried.luma);
     }
-    if (options_.holds_light) colour_->hold(carried.luma, carried.frame ? &*carried.frame : nullptr);
+    if (options_.holds_light && bodies_ < 1)
+      colour_->hold(carried.luma, carried.frame ? &*carried.frame : nullptr, 1 - bodies_);
     return carried;
   }
 
@@ -375,7 +385,7 @@ class CarriedRenderer final : public Renderer {
     const cv::Mat stands =
         restore_contrast(carried.luma, copies, CarriedBase::kStep, renewed_shares(standing_->levels(), anew),
                          renewing_, *standing_, anew, options_.contrast);
-    colour_->bring(*carried.frame, stands);
+    if (bodies_ < 1) colour_->bring(*carried.frame, stands * (1 - bodies_));
     return carried;
   }
 
@@ -408,6 +418,7 @@ class CarriedRenderer final : public Renderer {
   const StillPart& still_;
   const CarriedOptions options_;
   double half_life_s_ = 0;  // of carried detail
+  double bodies_ = 0;       // how far wide forms go whole, with their light and colour, 0..1
   std::optional<Innovations> innovations_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::shared_ptr<const CarryingField> field_;

@@ -24,6 +24,7 @@ struct PieceLives {
   /// whole river stand. Beside the mean over four bands and all pieces (bench_quality, docs/measurements/quality.md, 34
   /// clips, strokes with speeds) the measure lifetime is .15 instead of .17, water's .19 instead of .24.
   double overall_s = 1;
+  double forms_s = 1;  // of the coarsest band: the mean of the logarithm
 };
 
 /// What is not known takes the mean (of the logarithm) of the band's other pieces; a band that no piece knows the next

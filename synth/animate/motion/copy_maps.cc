@@ -32,6 +32,8 @@ constexpr float kUneven = 0.03f;  // what such a copy still counts: more than on
 constexpr double kEvenOver = 2;   // sigma, samples
 constexpr float kLeast = 1e-6f;   // so that some copy shows everywhere
 constexpr float kShallow = 1e-3f;
+// Of what comes from beyond the picture's sides, mirrored, from so many samples on: a copy that need not guess shows.
+constexpr float kGuessed = 0.04f, kGuessedFrom = 4;
 constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
 constexpr int kKeptEvery = 16;                             // frames
 constexpr std::uint64_t kSeed = 0x636f70696573, kSeedOfStarts = 0x737461727473;
@@ -67,10 +69,24 @@ FRESHET_WIDE void add_signed(const float* from, float sign, int n, float* sum) {
 /// has come from there, 1: that will be there. Mid-point rule, then the map before read where that leads.
 cv::Mat step_on(const cv::Mat& sources, const cv::Mat& velocity, float sign, int step) {
   cv::Mat middle, out;
-  sampling::read_remapped(velocity, places(velocity, sign * 0.5f, step), sampling::Beyond::kEdge, middle);
-  sampling::read_remapped(sources, places(middle, sign, step), sampling::Beyond::kEdge, out);
+  sampling::read_remapped(velocity, places(velocity, sign * 0.5f, step), middle);
+  sampling::read_remapped(sources, places(middle, sign, step), out);
   for (int y = 0; y < out.rows; ++y) add_signed(middle.ptr<float>(y), sign, 2 * out.cols, out.ptr<float>(y));
   return out;
+}
+
+/// Places as they are read of a picture that goes on mirrored beyond its sides, and how far they are of the picture.
+FRESHET_WIDE void mirror_row(const float* from, float width, float height, int n, float* within,
+                             float* known) {
+#pragma GCC ivdep
+  for (int i = 0; i < n; ++i) {
+    const float x = sampling::mirrored(from[2 * i], width), y = sampling::mirrored(from[2 * i + 1], height);
+    // The way over a side and back is twice that to it.
+    const float over = (std::abs(from[2 * i] - x) + std::abs(from[2 * i + 1] - y)) / (2 * kGuessedFrom);
+    known[i] = 1 + (over < 1 ? over : 1.0f) * (kGuessed - 1);
+    within[2 * i] = x;
+    within[2 * i + 1] = y;
+  }
 }
 
 /// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it. `whole` itself is one.
@@ -312,27 +328,32 @@ double CopyMaps::still(int i) const {
 /// How well what a copy brings goes with each place, > 0. from: places of its sources, in samples.
 cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from) const {
   constexpr float kNothing = 14;  // of unlikeness, halved: exp(-14) is less than kLeast
-  cv::Mat even = evenness(source, step_), brought, fits, out(places_.size(), CV_32F);
-  sampling::read_remapped(places_, from, sampling::Beyond::kZero, brought);
-  if (!copy.fits.empty()) sampling::read_remapped(copy.fits, from, sampling::Beyond::kZero, fits);
+  cv::Mat even = evenness(source, step_), brought, fits, out(places_.size(), CV_32F),
+          within(from.size(), CV_32FC2), known(from.size(), CV_32F);
+  for (int y = 0; y < from.rows; ++y)
+    mirror_row(from.ptr<float>(y), static_cast<float>(from.cols), static_cast<float>(from.rows), from.cols,
+               within.ptr<float>(y), known.ptr<float>(y));
+  sampling::read_remapped(places_, within, brought);
+  if (!copy.fits.empty()) sampling::read_remapped(copy.fits, within, fits);
   cv::GaussianBlur(even, even, {}, kEvenOver, kEvenOver, cv::BORDER_REPLICATE);
   std::vector<float> deep(out.cols), unlike(out.cols);
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);
-    const auto* evenly = even.ptr<float>(y);
+    const auto *evenly = even.ptr<float>(y), *is_known = known.ptr<float>(y);
     if (starts_) {
       compare_depths(brought.ptr<float>(y), places_.ptr<float>(y), out.cols, deep.data());
       const auto* fitting = fits.empty() ? nullptr : fits.ptr<float>(y);
       for (int x = 0; x < out.cols; ++x)
-        to[x] = std::max(deep[x] * (fitting ? fitting[x] : 1.0f) * std::max(evenly[x] * evenly[x], kUneven),
-                         kLeast);
+        to[x] = std::max(
+            is_known[x] * deep[x] * (fitting ? fitting[x] : 1.0f) * std::max(evenly[x] * evenly[x], kUneven),
+            kLeast);
       continue;
     }
     compare(brought.ptr<float>(y), places_.ptr<float>(y), out.cols, deep.data(), unlike.data());
     for (int x = 0; x < out.cols; ++x) {
       const float away = 0.5f * unlike[x];
       const float like = away < kNothing ? deep[x] * std::exp(-away) : 0.0f;
-      to[x] = std::max(like * std::max(evenly[x] * evenly[x], kUneven), kLeast);
+      to[x] = std::max(is_known[x] * like * std::max(evenly[x] * evenly[x], kUneven), kLeast);
     }
   }
   return out;
@@ -343,7 +364,7 @@ cv::Mat CopyMaps::timeliness(const Copy& copy, const cv::Mat& from, int age) con
   // c below is 1/4 there, and its fourth power less than kPast.
   constexpr float kOver = kReach * 2 / 3;
   cv::Mat out;
-  sampling::read_remapped(copy.later, from, sampling::Beyond::kEdge, out);
+  sampling::read_remapped(copy.later, from, out);
   const float unit = 1 / static_cast<float>(options_.interval), now = static_cast<float>(age) * unit;
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);

@@ -66,9 +66,9 @@ class CopyMaps {
   ///               sampled every `step` px (CarryingField::at). Called from many threads.
   /// places        CV_32FC4, sampled as that: how deep in the fluid a place of the picture lies, 0 (outside) .. 1, and
   ///               the look of its surroundings: luma, blue and red less luma. A copy that would bring rock, what
-  ///               lies beyond the picture or what looks unlike the place leaves the place to the others, and so does
-  ///               one whose forms the motion has drawn out or squeezed there: foam stays where water breaks, a pool at
-  ///               the foot of its fall, and a fall is no haze.
+  ///               lies beyond the picture (which goes on mirrored there) or what looks unlike the place leaves it to
+  ///               the others, and so does one whose forms the motion has drawn out or squeezed there: foam stays
+  ///               where water breaks, a pool at the foot of its fall, and a fall is no haze.
   CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& fluid, int step,
            const CopyOptions& options, std::optional<CopyStarts> starts = std::nullopt);
 

@@ -11,6 +11,7 @@
 #include "platform/vectors.h"
 #include "synth/sampling/cells.h"
 #include "synth/sampling/cubic.h"
+#include "synth/sampling/remapped.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -33,14 +34,15 @@ FRESHET_WIDE void mix_rows(const float* upper, const float* lower, float down, i
   for (int i = 0; i < n; ++i) out[i] = upper[i] + down * (lower[i] - upper[i]);
 }
 
-// Sources of a row's places, in steps (cubic.h), at most two samples beyond a side of `limit` samples.
+// Sources of a row's places, in steps (cubic.h). Beyond a side of `limit` samples the picture goes on mirrored.
 FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const float* fraction, int origin,
                           int step, int limit, int n, std::int32_t* out) {
   const int begin = first[0];
+#pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
     const float at = static_cast<float>(origin + step * i) + (a + fraction[i] * (b - a));
-    const float inside = std::min(std::max(at, -2.0f), static_cast<float>(limit + 1));
+    const float inside = sampling::mirrored(at, static_cast<float>(limit));
     out[i] = static_cast<std::int32_t>(inside * sampling::kCubicSteps + (2 * sampling::kCubicSteps + 0.5f)) -
              2 * sampling::kCubicSteps;
   }
@@ -161,12 +163,11 @@ CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const 
       carries_colour_(texture.empty()),
       size_(matte.size()),
       half_((size_.width + 1) / 2, (size_.height + 1) / 2) {
-  // Copies fade towards the matte's edge and the picture's: carried on, an edge would go through the fluid as
-  // a line.
-  cv::Mat inside, depth;
-  cv::copyMakeBorder(matte > 0.5, inside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::distanceTransform(inside, depth, cv::DIST_L2, cv::DIST_MASK_5);
-  depth = depth(cv::Rect({1, 1}, size_)) / std::max(options.edge_px, 1.0);
+  // Copies fade towards the matte's edge: carried on, it would go through the fluid as a line. At the picture's the
+  // fluid goes on.
+  cv::Mat depth;
+  cv::distanceTransform(matte > 0.5, depth, cv::DIST_L2, cv::DIST_MASK_5);
+  depth /= std::max(options.edge_px, 1.0);
   const cv::Mat weight = matte.mul(cv::min(cv::max(depth, kMinDepth), 1.0));
 
   for (const cv::Rect& cell :
@@ -180,14 +181,14 @@ CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const 
   }
 
   const std::array<cv::Mat, 3> plane{planes.luma, planes.blue, planes.red};
-  const auto with_margin = [](const cv::Mat& of, int after, int kind) {
+  const auto with_margin = [](const cv::Mat& of, int after) {
     cv::Mat wider;
-    cv::copyMakeBorder(of, wider, kMargin, kMargin + after, kMargin, kMargin + after, kind, cv::Scalar(0));
+    cv::copyMakeBorder(of, wider, kMargin, kMargin + after, kMargin, kMargin + after, cv::BORDER_REFLECT);
     return wider;
   };
-  cv::merge(std::vector<cv::Mat>{with_margin(carries_colour_ ? plane[0] : texture, 0, cv::BORDER_REPLICATE),
-                                 with_margin(weight, 0, cv::BORDER_CONSTANT)},
-            fluid_);
+  cv::merge(
+      std::vector<cv::Mat>{with_margin(carries_colour_ ? plane[0] : texture, 0), with_margin(weight, 0)},
+      fluid_);
   const auto halved = [this](const cv::Mat& of) {
     // Odd sizes end in half a sample: the edge goes on.
     cv::Mat even, out;
@@ -198,10 +199,8 @@ CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const 
   };
   own_ = halved(weight);
   const cv::Mat none = cv::Mat::zeros(half_, CV_32F);
-  cv::merge(std::vector<cv::Mat>{with_margin(halved(plane[1]), 1, cv::BORDER_REPLICATE),
-                                 with_margin(halved(plane[2]), 1, cv::BORDER_REPLICATE),
-                                 with_margin(own_, 1, cv::BORDER_CONSTANT),
-                                 with_margin(none, 1, cv::BORDER_CONSTANT)},
+  cv::merge(std::vector<cv::Mat>{with_margin(halved(plane[1]), 1), with_margin(halved(plane[2]), 1),
+                                 with_margin(own_, 1), with_margin(none, 1)},
             colour_);
 
   const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);

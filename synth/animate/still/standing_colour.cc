@@ -57,14 +57,15 @@ void StandingColour::bring(CarriedFrame& frame, const cv::Mat& stands) const {
   }
 }
 
-void StandingColour::hold(cv::Mat& luma, CarriedFrame* frame) const {
-  hold_mean(luma_, matte_, kLumaPasses, luma);
+void StandingColour::hold(cv::Mat& luma, CarriedFrame* frame, double share) const {
+  hold_mean(luma_, matte_, kLumaPasses, share, luma);
   if (!frame) return;
-  hold_mean(colour_[0], half_matte_, kColourPasses, frame->blue);
-  hold_mean(colour_[1], half_matte_, kColourPasses, frame->red);
+  hold_mean(colour_[0], half_matte_, kColourPasses, share, frame->blue);
+  hold_mean(colour_[1], half_matte_, kColourPasses, share, frame->red);
 }
 
-void StandingColour::hold_mean(const cv::Mat& own, const cv::Mat& weight, int passes, cv::Mat& plane) const {
+void StandingColour::hold_mean(const cv::Mat& own, const cv::Mat& weight, int passes, double share,
+                               cv::Mat& plane) const {
   cv::Mat away, left, all = cv::Mat::zeros(mass_.size(), CV_32F);
   cv::subtract(own, plane, away, cv::noArray(), CV_32F);
   cv::resize(away.mul(weight), left, mass_.size(), 0, 0, cv::INTER_AREA);
@@ -73,7 +74,7 @@ void StandingColour::hold_mean(const cv::Mat& own, const cv::Mat& weight, int pa
     all += mean;
     left -= mean.mul(cells_);
   }
-  cv::resize(all, away, plane.size(), 0, 0, cv::INTER_LINEAR);
+  cv::resize(share * all, away, plane.size(), 0, 0, cv::INTER_LINEAR);
   cv::add(plane, away, plane, cv::noArray(), plane.type());
 }
 

@@ -25,10 +25,11 @@ class StandingColour {
   void bring(CarriedFrame& frame, const cv::Mat& stands) const;
   /// Holds the means of luma (CV_32F, the picture's size) and, of a frame that brings its colour, of that.
   /// frame    or null. Cost: two passes. Safe from many threads.
-  void hold(cv::Mat& luma, CarriedFrame* frame) const;
+  /// share    of what they departed by, 0..1.
+  void hold(cv::Mat& luma, CarriedFrame* frame, double share = 1) const;
 
  private:
-  void hold_mean(const cv::Mat& own, const cv::Mat& weight, int passes, cv::Mat& plane) const;
+  void hold_mean(const cv::Mat& own, const cv::Mat& weight, int passes, double share, cv::Mat& plane) const;
 
   cv::Mat luma_;                               // CV_32F: the still's
   std::array<cv::Mat, 2> colour_;              // blue and red less luma, as CarriedFrame has them

@@ -15,16 +15,14 @@ cv::Mat noise(cv::Size size, int type, double least, double most) {
 
 TEST(Remapped, IsWhatOpenCvReadsInsideAndBeyond) {
   const cv::Mat places = noise({61, 37}, CV_32FC2, -6, 66);
-  for (const int type : {CV_32FC1, CV_32FC2, CV_32FC4})
-    for (const Beyond beyond : {Beyond::kEdge, Beyond::kZero}) {
-      const cv::Mat plane = noise({55, 43}, type, -1, 1);
-      cv::Mat found, expected;
-      read_remapped(plane, places, beyond, found);
-      cv::remap(plane, expected, places, cv::noArray(), cv::INTER_LINEAR,
-                beyond == Beyond::kEdge ? cv::BORDER_REPLICATE : cv::BORDER_CONSTANT, cv::Scalar::all(0));
-      ASSERT_EQ(found.type(), type);
-      EXPECT_LT(cv::norm(found, expected, cv::NORM_INF), 1e-6) << type;
-    }
+  for (const int type : {CV_32FC1, CV_32FC2, CV_32FC4}) {
+    const cv::Mat plane = noise({55, 43}, type, -1, 1);
+    cv::Mat found, expected;
+    read_remapped(plane, places, found);
+    cv::remap(plane, expected, places, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    ASSERT_EQ(found.type(), type);
+    EXPECT_LT(cv::norm(found, expected, cv::NORM_INF), 1e-6) << type;
+  }
 }
 
 TEST(Remapped, RoundsHalvesToTheEvenStep) {
@@ -32,21 +30,31 @@ TEST(Remapped, RoundsHalvesToTheEvenStep) {
   for (int x = 0; x < 4; ++x) ramp.at<float>(x) = 32.0f * static_cast<float>(x);
   places.at<cv::Vec2f>(0) = {1 + 0.5f / 32, 0};
   places.at<cv::Vec2f>(1) = {1 + 1.5f / 32, 0};
-  read_remapped(ramp, places, Beyond::kEdge, found);
+  read_remapped(ramp, places, found);
   EXPECT_EQ(found.at<float>(0), 32);
   EXPECT_EQ(found.at<float>(1), 34);
 }
 
-TEST(Remapped, PlacesFarAwayAreEdgesOrNothing) {
+TEST(Remapped, PlacesFarAwayAreEdges) {
   const cv::Mat ones(5, 5, CV_32F, cv::Scalar(1));
   cv::Mat places(1, 3, CV_32FC2), found;
   places.at<cv::Vec2f>(0) = {1e9f, 2};
   places.at<cv::Vec2f>(1) = {2, -1e9f};
   places.at<cv::Vec2f>(2) = {-40000, 40000};
-  read_remapped(ones, places, Beyond::kEdge, found);
+  read_remapped(ones, places, found);
   EXPECT_EQ(cv::countNonZero(found == 1), 3);
-  read_remapped(ones, places, Beyond::kZero, found);
-  EXPECT_EQ(cv::countNonZero(found), 0);
+}
+
+TEST(Remapped, BeyondItsSidesAPlaneGoesOnMirrored) {
+  cv::Mat row(1, 5, CV_32F), wide;
+  for (int x = 0; x < 5; ++x) row.at<float>(x) = static_cast<float>(x);
+  cv::copyMakeBorder(row, wide, 0, 0, 60, 60, cv::BORDER_REFLECT);
+  for (int at = -60; at < 65; ++at)
+    EXPECT_EQ(mirrored(static_cast<float>(at), 5), wide.at<float>(at + 60)) << at;
+  for (const float away : {-1e30f, -71.3f, -0.5f, 4.5f, 71.3f, 1e30f}) {
+    EXPECT_GE(mirrored(away, 5), -0.5f) << away;
+    EXPECT_LE(mirrored(away, 5), 4.5f) << away;
+  }
 }
 
 }  // namespace

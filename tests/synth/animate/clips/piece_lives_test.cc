@@ -48,7 +48,9 @@ TEST(PieceLives, TogetherAreLedByTheDetailOfGreatestPowerAndNotByForms) {
   const FlowingClip clip{.frames = 9,
                          .life = cells({0.1f, 0.1f, 2, 6}, {0.1f, 0.1f, 2, 6}, {0.001f, 0.001f, 0.1f, 1})};
   const FlowingStore store({clip});
-  EXPECT_NEAR(piece_lives(store.snapshot(), placed({shown(store.id(), {8, 8})})).overall_s, 2, 0.01);
+  const PieceLives lives = piece_lives(store.snapshot(), placed({shown(store.id(), {8, 8})}));
+  EXPECT_NEAR(lives.overall_s, 2, 0.01);
+  EXPECT_NEAR(lives.forms_s, 6, 0.01);
 }
 
 TEST(PieceLives, TogetherAreTheMiddlePieces) {

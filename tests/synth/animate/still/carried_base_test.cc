@@ -249,16 +249,15 @@ TEST(CarriedBase, RepeatsInALoopOfAnyLengthAndIsCarriedInAll) {
   }
 }
 
-TEST(CarriedBase, WhereAllComesFromBeyondThePictureTheExposureShows) {
-  Carried base(bgr_of(picture()), picture(), whole(), motion(6000, 0), 0.3);
-  int frame = 20;
-  const auto is_own = [&](int i) {
-    for (int copy = -2; copy < 12; ++copy)
-      if (base.own_frame(copy) == i) return true;
-    return false;
-  };
-  while (is_own(frame)) ++frame;
-  EXPECT_EQ(cv::norm(shown(base, frame, grey(0.25)), grey(0.25), cv::NORM_INF), 0);
+TEST(CarriedBase, BeyondItsSidesThePictureGoesOnMirrored) {
+  const CarriedBase base(fluid_planes(bgr_of(picture()), picture(), whole()), whole(), {});
+  const cv::Size samples = base.places().size();
+  const CopyMap copy{cv::Mat(samples, CV_32F, cv::Scalar(1)),
+                     cv::Mat(samples, CV_32FC2, cv::Scalar(-30, 200))};
+  cv::Mat wide, luma;
+  cv::copyMakeBorder(picture(), wide, 0, 200, 30, 0, cv::BORDER_REFLECT);
+  show_carried(base.frame({&copy, 1}), grey(0), luma);
+  EXPECT_LT(cv::norm(luma, wide({0, 200, kWidth, kHeight}), cv::NORM_INF), 1e-3);
 }
 
 }  // namespace

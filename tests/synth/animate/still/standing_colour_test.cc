@@ -55,6 +55,10 @@ TEST(StandingColour, HoldsTheMeansOfAWideNeighbourhood) {
       frame.blue.at<std::int16_t>(y / 2, x / 2) =
           static_cast<std::int16_t>((away - 0.3) * CarriedFrame::kOne);
     }
+  cv::Mat half = luma.clone();
+  colour.hold(half, nullptr, 0.5);
+  const double away = cv::mean(luma.colRange(3 * kWidth / 4, kWidth))[0] - 0.5;
+  EXPECT_NEAR(cv::mean(half.colRange(3 * kWidth / 4, kWidth))[0] - 0.5, away / 2, 0.01);
   colour.hold(luma, &frame);
   constexpr double kTwoLevels = 2 / 255.0;
   for (int x = 0; x < kWidth; x += kWidth / 4) {
