@@ -45,7 +45,7 @@ FRESHET_WIDE void find_taps(const float* at, int n, int samples, int step, std::
     const std::int32_t a = clamped(first, samples), b = clamped(first + 1, samples);
     before[i] = a * step;
     after[i] = b * step;
-    of_before[i] = (1 - fraction);
+    of_before[i] = 1 - fraction;
     of_after[i] = fraction;
   }
 }

@@ -170,7 +170,9 @@ class CarriedRenderer final : public Renderer {
   /// one size turn over in a time that falls as their speed rises.
   void measure_life() {
     const PieceLives lives = piece_lives(animation_.snapshot, animation_.placement);
-    const double going_s = (1 - measured_shares().back()) * lives.forms_s;
+    measured_shares_ = standing_shares(animation_.snapshot, animation_.placement,
+                                       vision::levels_within(still_.target.size(), options_.contrast.levels));
+    const double going_s = (1 - measured_shares_.back()) * lives.forms_s;
     const double t = std::clamp((going_s - kBodiesFrom_s) / (kBodiesSure_s - kBodiesFrom_s), 0.0, 1.0);
     bodies_ = t * t * (3 - 2 * t);
     half_life_s_ = options_.half_life_s;
@@ -286,7 +288,7 @@ class CarriedRenderer final : public Renderer {
     const CopyOptions copies = copy_options(std::min(half_life_s_, kTextureTravel_px * scale / usual_per_s));
     const LayoutMotion motion{.direction = directions(still_.asked_motion, field_->size()),
                               .travel = field_->activity() * (kShownIntervals * copies.interval)};
-    std::vector<double> shares = measured_shares();
+    std::vector<double> shares = measured_shares_;
     shares.pop_back();
     layout_.emplace(planes, still_.alpha, motion, shares);
     texture_base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale), layout_->texture());
@@ -334,15 +336,9 @@ class CarriedRenderer final : public Renderer {
     if (innovations_) renewing_ = innovations_->restrict_to(renewing_, field_->step());
   }
 
-  /// By level of the picture, and of the low-pass rest, how much stands in the patches.
-  std::vector<double> measured_shares() const {
-    return standing_shares(animation_.snapshot, animation_.placement,
-                           vision::levels_within(still_.target.size(), options_.contrast.levels));
-  }
-
   /// By level of the picture, what of it keeps its place.
   std::vector<double> shares_that_stand() const {
-    std::vector<double> shares = measured_shares();
+    std::vector<double> shares = measured_shares_;
     for (std::size_t level = 0; level < shares.size(); ++level) {
       const double guessed = 0.5 * std::min(1.0, static_cast<double>(level) / kWideLevel);
       shares[level] = (1 - bodies_) * options_.standing * std::pow(shares[level], 1 - guessed);
@@ -417,8 +413,9 @@ class CarriedRenderer final : public Renderer {
   Animation& animation_;
   const StillPart& still_;
   const CarriedOptions options_;
-  double half_life_s_ = 0;  // of carried detail
-  double bodies_ = 0;       // how far wide forms go whole, with their light and colour, 0..1
+  double half_life_s_ = 0;               // of carried detail
+  double bodies_ = 0;                    // how far wide forms go whole, with their light and colour, 0..1
+  std::vector<double> measured_shares_;  // by level, and of the low-pass rest: how much stands in the patches
   std::optional<Innovations> innovations_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::shared_ptr<const CarryingField> field_;

@@ -59,7 +59,8 @@ struct CarriedOptions {
 /// Copies of the picture are carried along the motion of the assigned patches (CopyMaps, CarriedBase), their contrast
 /// is brought back, what stands in the patches stands in the picture (StandingDetail), and what comes anew in the
 /// patches comes anew in it (Innovations). Where the layout stands, its texture alone is carried (StandingLayout,
-/// LayoutShare). Light and colour of wide places are the picture's throughout (StandingColour).
+/// LayoutShare). Light and colour of wide places are the picture's throughout (StandingColour), but where the patches'
+/// wide forms go and live long, as clouds do: these go whole, and nothing of them stands.
 /// Frame 0 is the picture.
 /// Source: not in Okabe et al. 2011; see the parts.
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,

@@ -51,14 +51,6 @@ double overall(const PieceLives& lives) {
   return std::exp(*middle);
 }
 
-/// Of a band, the mean of the logarithm.
-double mean_life(const std::vector<LifeBands>& half_life_s, std::size_t band) {
-  if (half_life_s.empty()) return kUnknown_s;
-  double sum = 0;
-  for (const LifeBands& life : half_life_s) sum += std::log(life[band]);
-  return std::exp(sum / static_cast<double>(half_life_s.size()));
-}
-
 }  // namespace
 
 PieceLives piece_lives(const store::Snapshot& snapshot, const Placement& placement) {
@@ -77,7 +69,7 @@ PieceLives piece_lives(const store::Snapshot& snapshot, const Placement& placeme
     for (std::size_t b = 0; b < kBands; ++b)
       if (life[b] <= 0) life[b] = usual[b];
   lives.overall_s = overall(lives);
-  lives.forms_s = mean_life(lives.half_life_s, kBands - 1);
+  lives.forms_s = usual.back();
   return lives;
 }
 

@@ -83,9 +83,8 @@ const std::vector<Key<TreeMotion>>& keys_of<TreeMotion>() {
        &TreeMotion::motion_from,
        {},
        "",
-       "a video, numbered sequence, folder or store that shows such a plant sway: frequency, damping and "
-       "mass "
-       "are those under which the scene's wind, at its strongest, moves it as it is seen there",
+       "a video, numbered sequence, folder or store that shows such a plant sway: frequency, damping "
+       "and mass are those under which the scene's wind, at its strongest, moves it as it is seen there",
        "none"},
       {"motion_clip", &TreeMotion::motion_clip, {}, "", "of a store: the clip's name", "none"},
       {"motion_armature",

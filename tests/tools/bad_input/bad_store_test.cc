@@ -146,13 +146,18 @@ TEST_F(BadStore, InfoGivesNoNumbersOfADamagedStoreAsIfAllWereWell) {
   EXPECT_GE(noticed, 20);
 }
 
+/// A cursor at a table's first record.
+void open_at_first(MDB_txn* txn, MDB_dbi table, MDB_cursor*& cursor, MDB_val& key, MDB_val& value) {
+  ASSERT_EQ(mdb_cursor_open(txn, table, &cursor), 0);
+  ASSERT_EQ(mdb_cursor_get(cursor, &key, &value, MDB_FIRST), 0);
+}
+
 TEST_F(BadStore, InfoDoesNotSayWhatItsRecordsUnpackToWhereAHeaderIsDamaged) {
   const fs::path store = copy_of_store(folder_);
   with_table(store, "columns", [](MDB_txn* txn, MDB_dbi table) {
     MDB_cursor* cursor = nullptr;
     MDB_val k{}, v{};
-    ASSERT_EQ(mdb_cursor_open(txn, table, &cursor), 0);
-    ASSERT_EQ(mdb_cursor_get(cursor, &k, &v, MDB_FIRST), 0);
+    ASSERT_NO_FATAL_FAILURE(open_at_first(txn, table, cursor, k, v));
     const std::string key(static_cast<char*>(k.mv_data), k.mv_size);
     std::string value(static_cast<char*>(v.mv_data), v.mv_size);
     mdb_cursor_close(cursor);
@@ -172,8 +177,7 @@ TEST_F(BadStore, InfoNamesARecordThatIsLost) {
   with_table(store, "columns", [](MDB_txn* txn, MDB_dbi table) {
     MDB_cursor* cursor = nullptr;
     MDB_val key{}, value{};
-    ASSERT_EQ(mdb_cursor_open(txn, table, &cursor), 0);
-    ASSERT_EQ(mdb_cursor_get(cursor, &key, &value, MDB_FIRST), 0);
+    ASSERT_NO_FATAL_FAILURE(open_at_first(txn, table, cursor, key, value));
     ASSERT_EQ(mdb_cursor_del(cursor, 0), 0);
   });
   const Outcome outcome = folder_.freshet({"store", "info", "copy.store"});
