@@ -48,13 +48,14 @@ const AVCodec* decoder_for(const AVStream& stream) {
   return avcodec_find_decoder(id);
 }
 
-// What one of FFmpeg's functions answers. Some pass over what there is no memory for without a word, as its reader of
-// Matroska does with a packet; but where an allocation fails, the C library leaves ENOMEM behind.
+// What one of FFmpeg's functions on a film answers. Some pass over what there is no memory for without a word, as its
+// reader of Matroska does with a packet; but where an allocation fails, the C library leaves ENOMEM behind. It leaves
+// it as well where it finds the memory elsewhere: a picture's functions pass over nothing, and are believed.
 template <class Function>
-int observed(const Function& function) {
+int observed(bool picture, const Function& function) {
   errno = 0;
   const int code = function();
-  return errno == ENOMEM ? AVERROR(ENOMEM) : code;
+  return !picture && errno == ENOMEM ? AVERROR(ENOMEM) : code;
 }
 
 }  // namespace
@@ -128,16 +129,17 @@ struct Decoder::File {
   }
 };
 
-Decoder::Decoder(const std::filesystem::path& path, const DecoderOptions& options) : name_(path.string()) {
+Decoder::Decoder(const std::filesystem::path& path, const DecoderOptions& options)
+    : name_(path.string()), picture_(options.picture) {
   quiet_libav();
   require_file(path);
   file_ = std::make_shared<File>(path);
   packet_ = new_packet();
-  open_container(options.picture);
+  open_container();
   open_codec(options);
 }
 
-void Decoder::open_container(bool picture) {
+void Decoder::open_container() {
   AVFormatContext* container = avformat_alloc_context();
   if (!container) throw std::bad_alloc();
   container->pb = file_->window;
@@ -146,7 +148,7 @@ void Decoder::open_container(bool picture) {
   // The ending helps to recognise streams without a header (raw H.264). The rest of the name is kept back,
   // or FFmpeg would take a % in it for a sequence; so is a picture's ending, for the content tells.
   const std::filesystem::path path(name_);
-  const std::string hint = !picture && looks_like_video(path) ? "video" + path.extension().string() : "";
+  const std::string hint = !picture_ && looks_like_video(path) ? "video" + path.extension().string() : "";
   const AVInputFormat* format = nullptr;
   int code = av_probe_input_buffer2(container->pb, &format, hint.c_str(), nullptr, 0, 0);
   if (code >= 0 && file_->fault == 0 && !own_format(*format)) {
@@ -161,7 +163,8 @@ void Decoder::open_container(bool picture) {
   container->format_whitelist = av_strdup(kOwnFormats);
   int opened = code;
   if (code >= 0)
-    code = observed([&] { return opened = avformat_open_input(&container, hint.c_str(), format, nullptr); });
+    code = observed(picture_,
+                    [&] { return opened = avformat_open_input(&container, hint.c_str(), format, nullptr); });
   else
     avformat_free_context(container);
   if (opened >= 0) container_.reset(container);  // else it has been freed
@@ -173,7 +176,8 @@ void Decoder::open_container(bool picture) {
   // It opens decoders of its own.
   std::vector<AVDictionary*> limits(container->nb_streams);
   for (AVDictionary*& limit : limits) av_dict_set_int(&limit, "max_pixels", kMaxPixels, 0);
-  code = picture ? 0 : observed([&] { return avformat_find_stream_info(container, limits.data()); });
+  code =
+      picture_ ? 0 : observed(picture_, [&] { return avformat_find_stream_info(container, limits.data()); });
   for (AVDictionary*& limit : limits) av_dict_free(&limit);
   if (code < 0) note(code);
   refuse_if_machine_failed(code);
@@ -236,7 +240,7 @@ void Decoder::open_codec(const DecoderOptions& options) {
   if (options.strict)
     context_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   const int threads = options.threads > 0 ? options.threads : av_cpu_count();
-  context_->thread_count = options.picture ? 1 : std::clamp(threads, 1, kMaxThreads);
+  context_->thread_count = picture_ ? 1 : std::clamp(threads, 1, kMaxThreads);
   if (code >= 0) code = avcodec_open2(context_.get(), codec, nullptr);
   refuse_if_machine_failed(code);
   if (code < 0)
@@ -260,7 +264,7 @@ void Decoder::refuse_if_machine_failed(int code) const {
 }
 
 int Decoder::read_packet() {
-  const int code = observed([&] { return av_read_frame(container_.get(), packet_.get()); });
+  const int code = observed(picture_, [&] { return av_read_frame(container_.get(), packet_.get()); });
   refuse_if_machine_failed(code);
   return code;
 }
@@ -279,7 +283,7 @@ void Decoder::feed() {
       return;
     }
     const bool ours = packet_->stream_index == stream_->index;
-    const int sent = ours ? observed([&] { return send_packet(); }) : 0;
+    const int sent = ours ? observed(picture_, [&] { return send_packet(); }) : 0;
     av_packet_unref(packet_.get());
     if (!ours) continue;
     refuse_if_machine_failed(sent);
@@ -295,7 +299,7 @@ void Decoder::feed() {
 AvOwner<AVFrame> Decoder::next() {
   AvOwner<AVFrame> frame = new_frame();
   for (;;) {
-    const int code = observed([&] { return avcodec_receive_frame(context_.get(), frame.get()); });
+    const int code = observed(picture_, [&] { return avcodec_receive_frame(context_.get(), frame.get()); });
     if (code >= 0) {
       faults_in_a_row_ = 0;
       if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT)) ++damaged_frames_;

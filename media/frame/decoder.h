@@ -54,7 +54,7 @@ class Decoder {
     void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
   };
 
-  void open_container(bool picture);
+  void open_container();
   void open_codec(const DecoderOptions& options);
   void keep_pixel_chunks(AVCodecParameters& parameters) const;
   int read_packet();
@@ -64,6 +64,7 @@ class Decoder {
   void refuse_if_machine_failed(int code) const;
 
   std::string name_;
+  bool picture_;
   std::shared_ptr<File> file_;  // outlives container_
   std::unique_ptr<AVFormatContext, CloseContainer> container_;
   AVStream* stream_ = nullptr;
