@@ -46,11 +46,18 @@ constexpr double kMaxLevel = 0.08;             // luma: fires breathe by less
 constexpr double kTextureTravel_px = 36, kShownIntervals = 1.5, kSpread_px = 70;
 constexpr double kMaxTextureGain = 1.5;  // two copies that begin displaced agree in nothing: they lose 1.41
 constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
-// Wide forms that go for so long, s, are bodies: clouds' go for 1.9 to 4 s, smoke's for .4 to 1 (slow to 2), those of
-// water and fire for up to .9 (34 clips).
-constexpr double kBodiesFrom_s = 1.4, kBodiesSure_s = 1.8;
+// How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
+// clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From the first two on they go without shear, from
+// the others on with their light and colour.
+constexpr double kWholeFrom_s = 0.7, kWholeSure_s = 1, kBodiesFrom_s = 0.9, kBodiesSure_s = 1.3;
 constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to another copy as a whole
 constexpr double kShareReach = 1;   // pieces: neighbours stand alike
+
+/// 0 up to `from`, 1 from `sure` on, and smoothly between.
+double risen(double from, double sure, double at) {
+  const double t = std::clamp((at - from) / (sure - from), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
 CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
@@ -172,13 +179,16 @@ class CarriedRenderer final : public Renderer {
     const PieceLives lives = piece_lives(animation_.snapshot, animation_.placement);
     measured_shares_ = standing_shares(animation_.snapshot, animation_.placement,
                                        vision::levels_within(still_.target.size(), options_.contrast.levels));
-    const double going_s = (1 - measured_shares_.back()) * lives.forms_s;
-    const double t = std::clamp((going_s - kBodiesFrom_s) / (kBodiesSure_s - kBodiesFrom_s), 0.0, 1.0);
-    bodies_ = t * t * (3 - 2 * t);
+    const double goes = 1 - measured_shares_.back(), going_s = goes * goes * lives.forms_s;
+    bodies_ = risen(kBodiesFrom_s, kBodiesSure_s, going_s);
+    const double whole = risen(kWholeFrom_s, kWholeSure_s, going_s);
+    carried_motion_ = whole > 0 ? apply_guide(evened_motion(still_.assigned_motion, still_.alpha, whole),
+                                              animation_.options.guide, still_.alpha)
+                                : still_.asked_motion;
     half_life_s_ = options_.half_life_s;
     if (half_life_s_ == 0) {
       const double faster =
-          std::pow(pace(still_.assigned_motion, still_.asked_motion, animation_.matte), options_.life_pace);
+          std::pow(pace(still_.assigned_motion, carried_motion_, animation_.matte), options_.life_pace);
       half_life_s_ = std::clamp(lives.overall_s / faster, kMinHalfLife_s, kMaxHalfLife_s);
     }
     animation_.report.half_life_s = half_life_s_;
@@ -207,7 +217,7 @@ class CarriedRenderer final : public Renderer {
     const FrameOptions& frames = animation_.options;
     CarryingOptions carrying = options_.carrying;
     if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0;
-    field_ = std::make_shared<const CarryingField>(sequence_, still_.asked_motion, frames.frames, frames.fps,
+    field_ = std::make_shared<const CarryingField>(sequence_, carried_motion_, frames.frames, frames.fps,
                                                    CarriedBase::kStep, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
     const FluidPlanes planes = fluid_planes(still_.target, still_.luma, still_.alpha);
@@ -286,7 +296,7 @@ class CarriedRenderer final : public Renderer {
     // Detail that is carried far is unlike itself before it arrives, whatever speed is asked.
     const double usual_per_s = speed_per_frame(*field_, fluid_, kUsual) * frames.fps;
     const CopyOptions copies = copy_options(std::min(half_life_s_, kTextureTravel_px * scale / usual_per_s));
-    const LayoutMotion motion{.direction = directions(still_.asked_motion, field_->size()),
+    const LayoutMotion motion{.direction = directions(carried_motion_, field_->size()),
                               .travel = field_->activity() * (kShownIntervals * copies.interval)};
     std::vector<double> shares = measured_shares_;
     shares.pop_back();
@@ -415,6 +425,7 @@ class CarriedRenderer final : public Renderer {
   const CarriedOptions options_;
   double half_life_s_ = 0;               // of carried detail
   double bodies_ = 0;                    // how far wide forms go whole, with their light and colour, 0..1
+  cv::Mat carried_motion_;               // as asked; of bodies evened
   std::vector<double> measured_shares_;  // by level, and of the low-pass rest: how much stands in the patches
   std::optional<Innovations> innovations_;
   std::shared_ptr<const MotionSequence> sequence_;

@@ -75,17 +75,19 @@ cv::Mat step_on(const cv::Mat& sources, const cv::Mat& velocity, float sign, int
   return out;
 }
 
-/// Places as they are read of a picture that goes on mirrored beyond its sides, and how far they are of the picture.
-FRESHET_WIDE void mirror_row(const float* from, float width, float height, int n, float* within,
+/// Places of row y as they are read of a picture that goes on mirrored beyond its sides, and how far they are of the
+/// picture.
+FRESHET_WIDE void mirror_row(const float* from, float y, float width, float height, int n, float* within,
                              float* known) {
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
-    const float x = sampling::mirrored(from[2 * i], width), y = sampling::mirrored(from[2 * i + 1], height);
+    const float to_x = sampling::carried_from(from[2 * i], static_cast<float>(i), width),
+                to_y = sampling::carried_from(from[2 * i + 1], y, height);
     // The way over a side and back is twice that to it.
-    const float over = (std::abs(from[2 * i] - x) + std::abs(from[2 * i + 1] - y)) / (2 * kGuessedFrom);
+    const float over = (std::abs(from[2 * i] - to_x) + std::abs(from[2 * i + 1] - to_y)) / (2 * kGuessedFrom);
     known[i] = 1 + (over < 1 ? over : 1.0f) * (kGuessed - 1);
-    within[2 * i] = x;
-    within[2 * i + 1] = y;
+    within[2 * i] = to_x;
+    within[2 * i + 1] = to_y;
   }
 }
 
@@ -331,8 +333,8 @@ cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv:
   cv::Mat even = evenness(source, step_), brought, fits, out(places_.size(), CV_32F),
           within(from.size(), CV_32FC2), known(from.size(), CV_32F);
   for (int y = 0; y < from.rows; ++y)
-    mirror_row(from.ptr<float>(y), static_cast<float>(from.cols), static_cast<float>(from.rows), from.cols,
-               within.ptr<float>(y), known.ptr<float>(y));
+    mirror_row(from.ptr<float>(y), static_cast<float>(y), static_cast<float>(from.cols),
+               static_cast<float>(from.rows), from.cols, within.ptr<float>(y), known.ptr<float>(y));
   sampling::read_remapped(places_, within, brought);
   if (!copy.fits.empty()) sampling::read_remapped(copy.fits, within, fits);
   cv::GaussianBlur(even, even, {}, kEvenOver, kEvenOver, cv::BORDER_REPLICATE);

@@ -16,6 +16,8 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kEvened = 0.01;  // sigma of asked directions, of the picture's diagonal
+constexpr double kWhole = 0.15;   // sigma of the motion of what goes whole, of the longer side
+constexpr int kWholeStep = 8;     // px: it is evened as coarsely
 
 /// Directions evened out, of length 1 where they agree and less where they oppose each other; 0 where none is asked.
 cv::Mat evened(const cv::Mat& direction) {
@@ -85,6 +87,31 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
   cv::warpAffine(sum, field, squares_from_picture(placement, canvas.tl(), square, picture), picture,
                  cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return field;
+}
+
+cv::Mat evened_motion(const cv::Mat& motion, const cv::Mat& matte, double share) {
+  cv::Mat sums(motion.size(), CV_32FC4);  // of the fluid: motion, speed, and how much it is
+  for (int y = 0; y < motion.rows; ++y)
+    for (int x = 0; x < motion.cols; ++x) {
+      const cv::Vec2f& v = motion.at<cv::Vec2f>(y, x);
+      sums.at<cv::Vec4f>(y, x) = matte.at<float>(y, x) * cv::Vec4f(v[0], v[1], std::hypot(v[0], v[1]), 1);
+    }
+  const double sigma = kWhole * std::max(motion.cols, motion.rows) / kWholeStep;
+  const auto coarse = [](int n) { return (n + kWholeStep - 1) / kWholeStep; };
+  cv::resize(sums, sums, {coarse(motion.cols), coarse(motion.rows)}, 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(sums, sums, {}, sigma, sigma, cv::BORDER_CONSTANT);
+  cv::resize(sums, sums, motion.size(), 0, 0, cv::INTER_LINEAR);
+
+  cv::Mat out = motion.clone();
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      const cv::Vec4f& sum = sums.at<cv::Vec4f>(y, x);
+      const float length = std::hypot(sum[0], sum[1]);
+      if (length <= 0 || sum[3] <= 0) continue;
+      const cv::Vec2f whole = cv::Vec2f(sum[0], sum[1]) * (sum[2] / sum[3] / length);
+      out.at<cv::Vec2f>(y, x) += static_cast<float>(share) * (whole - out.at<cv::Vec2f>(y, x));
+    }
+  return out;
 }
 
 double fastest_speed(cv::Size picture) { return 0.8 * std::max(picture.width, picture.height); }

@@ -41,8 +41,9 @@ FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const f
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
-    const float at = static_cast<float>(origin + step * i) + (a + fraction[i] * (b - a));
-    const float inside = sampling::mirrored(at, static_cast<float>(limit));
+    const auto own = static_cast<float>(origin + step * i);
+    const float inside =
+        sampling::carried_from(own + (a + fraction[i] * (b - a)), own, static_cast<float>(limit));
     out[i] = static_cast<std::int32_t>(inside * sampling::kCubicSteps + (2 * sampling::kCubicSteps + 0.5f)) -
              2 * sampling::kCubicSteps;
   }

@@ -51,14 +51,14 @@ std::vector<Case> cases() {
   goes.layout = Layout::kGoes;
   const PaperOptions by_frame{.matching = AppearanceMatching::kFrame},
       nearest{.resampling = Resampling::kNearest};
-  return {with("Carried", 0x7b94f06839db844d, CarriedOptions{}),
-          with("CarriedLoop", 0xda109cad05068c0f, CarriedOptions{}, true),
-          with("CarriedMoving", 0xc52738159e38a595, CarriedOptions{}, false, outline::Outline::kMoving),
-          with("Goes", 0x473a6f3b7dbd9fbd, goes),
-          with("Layout", 0x333add67f28ce935, layout),
-          with("LayoutLoop", 0x9903e4e83eda198d, layout, true),
-          with("MotionAlone", 0x7a53656f28b42637, motion_alone),
-          with("MotionAloneMoving", 0x371903a15da54386, motion_alone, false, outline::Outline::kMoving),
+  return {with("Carried", 0x8bb19bf75307fcde, CarriedOptions{}),
+          with("CarriedLoop", 0x4da8f5d4719cd35d, CarriedOptions{}, true),
+          with("CarriedMoving", 0xd08d700aa65c5468, CarriedOptions{}, false, outline::Outline::kMoving),
+          with("Goes", 0xa2d53e9e53068e50, goes),
+          with("Layout", 0x6f26cdb72ba7f554, layout),
+          with("LayoutLoop", 0x36ca8382a2f719aa, layout, true),
+          with("MotionAlone", 0x538fbac7a0005924, motion_alone),
+          with("MotionAloneMoving", 0x520bb81c788a8297, motion_alone, false, outline::Outline::kMoving),
           with("Paper", 0x3dfe0b4ad08f6d6d, PaperOptions{}),
           with("PaperByFrame", 0x850851d95d502cce, by_frame),
           with("PaperLoopOfWholeFrames", 0x979fab7519d8db73, nearest, true),
@@ -121,8 +121,11 @@ class Animated : public testing::TestWithParam<Case> {
  private:
   struct Scene {
     FlowingStore store{
-        {measured({.frames = 26}),
-         measured({.frames = 26, .steady = {2, 1}, .seed = 5, .contrast = contrasts(0.8f, 0.2f)})}};
+        {measured({.frames = 26, .life = living(0.5f)}), measured({.frames = 26,
+                                                                   .steady = {2, 1},
+                                                                   .seed = 5,
+                                                                   .life = living(0.5f),
+                                                                   .contrast = contrasts(0.8f, 0.2f)})}};
     Placement placement{.side = 48, .stride = 24, .patches = {}};
     cv::Mat picture = cv::Mat(100, 144, CV_8UC3), matte = cv::Mat(100, 144, CV_8U, cv::Scalar(0));
   };

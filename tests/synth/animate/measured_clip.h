@@ -19,4 +19,13 @@ inline FlowingClip measured(FlowingClip clip) {
   return clip;
 }
 
+/// Of every cell of a clip of FlowingClip's size, how long each band lives.
+inline vision::CellMap living(float life_s) {
+  vision::CellMap made{.rows = 4, .columns = 5, .channels = vision::kLifeChannels, .cell = 32, .values = {}};
+  for (int i = 0; i < made.rows * made.columns; ++i)
+    for (int channel = 0; channel < vision::kLifeChannels; ++channel)
+      made.values.push_back(channel < vision::kLifeBands ? life_s : 0.01f);
+  return made;
+}
+
 }  // namespace freshet::synth::animate

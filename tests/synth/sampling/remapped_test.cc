@@ -57,5 +57,16 @@ TEST(Remapped, BeyondItsSidesAPlaneGoesOnMirrored) {
   }
 }
 
+TEST(Remapped, WhatIsCarriedInFromBeyondASideComesWithoutItsRim) {
+  for (const float at : {0.0f, 0.3f, 199.0f})
+    EXPECT_NEAR(carried_from(at, at, 200), at, 1e-4) << "frame 0 is the still";
+  EXPECT_FLOAT_EQ(carried_from(120, 100, 200), 120);
+  // Carried by 20 samples over the right side: from 197.5 on, two of 200 short of it, the way goes back.
+  EXPECT_FLOAT_EQ(carried_from(197, 177, 200), 197);
+  EXPECT_FLOAT_EQ(carried_from(199, 179, 200), 196);
+  EXPECT_FLOAT_EQ(carried_from(207, 187, 200), 188);
+  EXPECT_FLOAT_EQ(carried_from(-7, 13, 200), 10);
+}
+
 }  // namespace
 }  // namespace freshet::synth::sampling

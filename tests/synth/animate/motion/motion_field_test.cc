@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace freshet::synth::animate {
@@ -11,6 +12,43 @@ const cv::Size kPicture(320, 240);
 
 cv::Mat everywhere(cv::Vec2f v) { return {kPicture, CV_32FC2, cv::Scalar(v[0], v[1])}; }
 cv::Mat all() { return {kPicture, CV_32F, cv::Scalar(1)}; }
+
+TEST(EvenedMotion, WhatGoesOneWayEverywhereStaysAndGoesOnBesideTheFluid) {
+  cv::Mat matte = all(), motion = everywhere({30, -10});
+  matte.colRange(200, 320).setTo(0);
+  motion.colRange(200, 320).setTo(cv::Scalar(0, 90));
+  for (const cv::Point at : {cv::Point(10, 10), cv::Point(190, 120), cv::Point(230, 120)})
+    EXPECT_LT(cv::norm(evened_motion(motion, matte, 1).at<cv::Vec2f>(at) - cv::Vec2f(30, -10)), 0.1) << at;
+}
+
+TEST(EvenedMotion, NeighboursThatWentAtOtherSpeedsDoNotShear) {
+  cv::Mat motion = everywhere({10, 0});
+  for (int x = 0; x < kPicture.width; x += 48)
+    motion.colRange(x, std::min(x + 24, 320)).setTo(cv::Scalar(50, 0));
+  const auto spread = [&](double share) {
+    double least = 1e9, most = 0;
+    const cv::Mat evened = evened_motion(motion, all(), share);
+    for (int x = 60; x < 260; ++x) {
+      least = std::min<double>(least, evened.at<cv::Vec2f>(120, x)[0]);
+      most = std::max<double>(most, evened.at<cv::Vec2f>(120, x)[0]);
+    }
+    return most - least;
+  };
+  EXPECT_LT(spread(1), 3);
+  EXPECT_NEAR(spread(0.5), 20, 2);
+  EXPECT_EQ(spread(0), 40);
+}
+
+TEST(EvenedMotion, WaysMeetBetweenAtASpeedBetween) {
+  cv::Mat motion = everywhere({0, 30});
+  motion.rowRange(80, 240).setTo(cv::Scalar(40, 0));
+  // The mean of the vectors would be slower: 25 px/s.
+  const cv::Vec2f& v = evened_motion(motion, all(), 1).at<cv::Vec2f>(80, 160);
+  EXPECT_GT(v[0], 5);
+  EXPECT_GT(v[1], 5);
+  EXPECT_GT(cv::norm(v), 30);
+  EXPECT_LT(cv::norm(v), 40);
+}
 
 TEST(ApplyGuide, TurnsWhatGoesAndKeepsItsSpeed) {
   query::MotionGuide guide;
