@@ -10,7 +10,8 @@
 // quarters as high as wide, an exemplar half as high as the frame: patches must repeat. First it checks what every
 // frame promises: K and K + 1 uses only, no patch of the other segment. Then, by exemplar and method (uniform; nearest,
 // which is Kwatra et al. 2005; stabilised, which is uniform of a video without its own motion; curved and diverging,
-// which are uniform with a guide of weight 1; uniform without coherence), over the frames:
+// which are uniform with a guide of weight 1; uniform without coherence; and the other papers' of Fig. 2 and 13, as
+// rivals/rivals.h has them: discrete, bidirectional, occurrences, benard, browning), over the frames:
 //   sharpness  mean squared Laplacian of grey, of the exemplar's
 //   structure  mean square of what is 4 to 8 px in size, of the exemplar's
 //   colours    L1 distance of colour histograms (8 x 8 x 8) from the exemplar's, 0 to 2
@@ -27,6 +28,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -38,6 +42,7 @@
 
 #include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
+#include "bench/transfer/rivals/rivals.h"
 #include "freshet/error.h"
 #include "media/frame/filmed_ground.h"
 #include "media/picture/picture.h"
@@ -336,6 +341,9 @@ Agreement agreement(const TransferredFrame& made, const TargetFrame& target, con
 struct Method {
   const char* name;
   TransferOptions options;
+  std::optional<bench::Rival> rival = {};
+
+  bool uniform() const { return !rival && options.retrieval == Retrieval::kUniform; }
 };
 std::vector<Method> methods() {
   return {{"uniform", {}},
@@ -343,7 +351,22 @@ std::vector<Method> methods() {
           {"stabilised", {.stabilised = true}},
           {"curved", {.curvature = 1}},
           {"diverging", {.divergence = 1}},
-          {"no coherence", {.lambda = 0, .start = Start::kRandom}}};
+          {"no coherence", {.lambda = 0, .start = Start::kRandom}},
+          {"discrete", {}, bench::Rival::kDiscrete},
+          {"bidirectional", {}, bench::Rival::kBidirectional},
+          {"occurrences", {}, bench::Rival::kOccurrences},
+          {"benard", {}, bench::Rival::kBenard},
+          {"browning", {}, bench::Rival::kBrowning}};
+}
+
+/// Makes the frames of a design, in order.
+using NextFrame = std::function<TransferredFrame(std::size_t t)>;
+NextFrame begin(const Method& method, const Look& look, const std::vector<TargetFrame>& design) {
+  const Exemplar exemplar = [&](int t) { return look.moment(t); };
+  if (method.rival) return bench::rival(*method.rival, exemplar, design);
+  return [transfer = std::make_shared<Transfer>(exemplar, method.options), &design](std::size_t t) {
+    return transfer->next(design[t]);
+  };
 }
 
 /// Exemplars and their films, a row each.
@@ -403,11 +426,11 @@ double mean(const std::vector<double>& of, std::size_t from, std::size_t to) {
 Series run(const Look& look, const std::vector<TargetFrame>& design, const Method& method,
            const Settings& settings, Sheet* sheet) {
   Series series;
-  Transfer transfer([&](int t) { return look.moment(t); }, method.options);
+  const NextFrame next = begin(method, look, design);
   cv::Mat before;
   for (std::size_t t = 0; t < design.size(); ++t) {
     const double start = bench::process_seconds();
-    const TransferredFrame made = transfer.next(design[t]);
+    const TransferredFrame made = next(t);
     series.cpu_s += bench::process_seconds() - start;
     const cv::Mat& of = look.at(static_cast<int>(t));
     series.sharpness.push_back(sharpness(made.bgra) / sharpness(of));
@@ -519,8 +542,7 @@ int main(int argc, char** argv) try {
       drawn = true;
       const std::size_t n = series.sharpness.size(), early = std::min<std::size_t>(n, 10),
                         late = n - std::min<std::size_t>(n, 30);
-      const bool must_be_uniform = method.options.retrieval == Retrieval::kUniform;
-      failed += series.violations > 0 || (must_be_uniform && series.not_uniform > 0);
+      failed += series.violations > 0 || (method.uniform() && series.not_uniform > 0);
       fmt::print(
           "| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.2f} | {:.2f}, "
           "{:.2f} | {:.2f} | {:.2f} | {} | {} | {:.2f} |\n",
