@@ -47,9 +47,10 @@ std::string read_motion(const Fields& fields) {
 }
 
 DrawnLayer read_layer(const Fields& fields) {
-  fields.only({"name",    "motion", "matte", "paint", "lines", "plant", "shimmer",    "waves",
-               "mirrors", "roll",   "drift", "class", "film",  "clip",  "matte_clip", "start",
-               "repeats", "ground", "blend", "in_3d", "shade", "glow"});
+  fields.only({"name",       "motion",     "matte",     "paint",        "lines",     "plant", "shimmer",
+               "waves",      "mirrors",    "roll",      "drift",        "class",     "film",  "clip",
+               "matte_clip", "start",      "repeats",   "ground",       "blend",     "in_3d", "shade",
+               "glow",       "glow_reach", "sway_clip", "sway_dropped", "sway_lines"});
   const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
   DrawnLayer layer{.name = layer_name(fields),
                    .motion = read_motion(fields),
@@ -68,6 +69,12 @@ DrawnLayer read_layer(const Fields& fields) {
   // Older documents have none of these.
   if (fields.has("in_3d")) layer.in_3d = fields.flag("in_3d");
   if (fields.has("glow")) layer.glow = number(fields, "glow", "layer", "glow");
+  if (fields.has("glow_reach"))
+    layer.glow_reach =
+        fields.number("glow_reach", 0, synth::scene::scene_range("layer", "glow_reach").range.high);
+  if (fields.has("sway_clip")) layer.sway_clip = fields.text("sway_clip");
+  if (fields.has("sway_dropped")) layer.sway_dropped = fields.flag("sway_dropped");
+  if (fields.has("sway_lines")) layer.sway_lines = fields.strokes("sway_lines");
   if (fields.has("shade")) layer.shade = number(fields, "shade", "clouds", "shade");
   if (fields.has("clip")) layer.clip = fields.text("clip");
   layer.film = layer.clip.empty() ? kFilms[0] : "clip";
@@ -78,7 +85,9 @@ DrawnLayer read_layer(const Fields& fields) {
   if (fields.has("ground")) layer.ground = fields.word("ground", media::ground_names());
   if (fields.has("blend"))
     layer.blend = fields.word("blend", {std::begin(media::kBlends), std::end(media::kBlends)});
-  for (const auto& [key, name] : {std::pair("clip", layer.clip), std::pair("matte_clip", layer.matte_clip)})
+  const std::string dropped = layer.sway_dropped ? layer.sway_clip : "";
+  for (const auto& [key, name] : {std::pair("clip", layer.clip), std::pair("matte_clip", layer.matte_clip),
+                                  std::pair("sway_clip", dropped)})
     if (name.find('/') != std::string::npos || name.starts_with('.'))
       fields.fail(fmt::format("\"{}\" is no file of the project", key));
   return layer;
@@ -106,7 +115,11 @@ Json layer_json(const DrawnLayer& layer) {
           {"repeats", layer.repeats},
           {"ground", layer.ground},
           {"blend", layer.blend},
-          {"glow", layer.glow}};
+          {"glow", layer.glow},
+          {"glow_reach", layer.glow_reach},
+          {"sway_clip", layer.sway_clip},
+          {"sway_dropped", layer.sway_dropped},
+          {"sway_lines", strokes_json(layer.sway_lines)}};
 }
 
 }  // namespace

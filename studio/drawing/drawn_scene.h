@@ -45,14 +45,17 @@ struct DrawnLayer {
   /// which the first line counts; strokes of patches. Of footage, from its upper left corner to its lower right one.
   std::vector<DrawnStroke> lines{};
   std::string plant = "tree";  // "tree", "flower", "grass"
-  double shimmer = 0;          // of leaves, px; this and the other numbers in the scene file's ranges
-  double waves = 0;            // amplitude; 0: the usual
-  bool mirrors = false;        // of water: what moves above it
-  double roll = 1;             // of a boat, and how much it heaves
-  bool in_3d = false;          // of a boat
-  double drift = 0;            // of clouds, px/s; 0: as the wind blows
-  double shade = 0;            // of clouds, on the ground
-  std::string class_name{};    // of patches; empty: all
+  std::string sway_clip{};     // of a tree: a clip in which such a plant sways (motion_from); empty: none
+  bool sway_dropped = true;    // it was dropped (own_clip_path); else it is the store's
+  std::vector<DrawnStroke> sway_lines{};  // from root to tip in its first frame, px of it
+  double shimmer = 0;        // of leaves, px; this and the other numbers in the scene file's ranges
+  double waves = 0;          // amplitude; 0: the usual
+  bool mirrors = false;      // of water: what moves above it
+  double roll = 1;           // of a boat, and how much it heaves
+  bool in_3d = false;        // of a boat
+  double drift = 0;          // of clouds, px/s; 0: as the wind blows
+  double shade = 0;          // of clouds, on the ground
+  std::string class_name{};  // of patches; empty: all
   std::string film =
       "design";        // footage of: "design", "flowlines", "stills" (what these modes have made), "clip"
   std::string clip{};  // of film "clip": one that was dropped (own_clip_path)
@@ -61,7 +64,8 @@ struct DrawnLayer {
   bool repeats = true;          // of footage
   std::string ground = "none";  // of footage: "none", "black", "white", which is taken off
   std::string blend = "over";   // "over", "add", "screen"
-  double glow = 0;              // of patches and footage, on the layers around
+  double glow = 0;              // of patches, footage and water, on the layers around
+  double glow_reach = 0;        // px; 0: the usual
   bool operator==(const DrawnLayer&) const = default;
 };
 

@@ -53,6 +53,7 @@ DrawnScene reduced(const DrawnScene& scene, double factor) {
     for (DrawnStroke& line : layer.lines) scale_stroke(line, scale);
     layer.shimmer *= scale;
     layer.drift *= scale;
+    layer.glow_reach *= scale;
   }
   return small;
 }

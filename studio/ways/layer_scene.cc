@@ -72,6 +72,13 @@ void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
     lacks(layer, "it is nowhere", "Paint where it is");
   if (layer.motion == "patches" && files.store.empty())
     lacks(layer, "its patches have no store", "Choose one under Look");
+  if (layer.motion == "tree" && !layer.sway_clip.empty()) {
+    if (layer.sway_lines.empty())
+      lacks(layer, "nothing says where in its clip the plant stands",
+            "Draw a line on the clip's picture, from the plant's root to its tip");
+    if (!layer.sway_dropped && files.store.empty())
+      lacks(layer, "its clip is a store's, and none is chosen", "Choose one under Look");
+  }
   const DrawnMotion& motion = drawn_motion(layer.motion);
   if (layer.lines.empty() && motion.missing != nullptr) lacks(layer, motion.missing, motion.remedy);
 }
@@ -113,10 +120,25 @@ std::string footage_keys(const DrawnLayer& layer, cv::Size size, const SceneFile
                      layer.repeats, layer.ground);
 }
 
+/// The plant of a clip that it sways as.
+std::string sway_keys(const DrawnLayer& layer, const SceneFiles& files) {
+  if (layer.sway_clip.empty()) return "";
+  std::string lines;
+  for (const DrawnStroke& line : layer.sway_lines)
+    lines +=
+        fmt::format("{}[{:.2f}, {:.2f}, {:.2f}, {:.2f}]", lines.empty() ? "" : ", ", line.points.front().x,
+                    line.points.front().y, line.points.back().x, line.points.back().y);
+  return (layer.sway_dropped
+              ? "motion_from = " + toml_text(files.clips + "/" + layer.sway_clip)
+              : "motion_from = " + toml_text(files.store) + "\nmotion_clip = " + toml_text(layer.sway_clip)) +
+         "\nmotion_armature = [" + lines + "]\n";
+}
+
 /// What its motion has to say.
 std::string motion_keys(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.motion == "tree")
-    return fmt::format("plant = \"{}\"\nshimmer = {}\n", layer.plant, layer.shimmer);
+    return fmt::format("plant = \"{}\"\nshimmer = {}\n", layer.plant, layer.shimmer) +
+           sway_keys(layer, files);
   if (layer.motion == "water")
     return (layer.waves > 0 ? fmt::format("amplitude = {}\n", layer.waves) : "") +
            fmt::format("mirrors = {}\n", layer.mirrors);
@@ -128,6 +150,10 @@ std::string motion_keys(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.motion != "patches") return "";
   return "store = " + toml_text(files.store) + "\n" +
          (layer.class_name.empty() ? "" : "class = " + toml_text(layer.class_name) + "\n");
+}
+
+bool glows(const DrawnLayer& layer) {
+  return layer.motion == "footage" || layer.motion == "patches" || layer.motion == "water";
 }
 
 bool has_lines(const DrawnLayer& layer) {
@@ -185,8 +211,9 @@ std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const S
     const std::string file = fmt::format("layer-{}.png", ++place);
     toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\nblend = \"{}\"\n", toml_text(layer.name),
                         layer.motion, layer.blend);
-    if (layer.glow > 0 && (layer.motion == "footage" || layer.motion == "patches"))
-      toml += fmt::format("glow = {}\n", layer.glow);
+    if (layer.glow > 0 && glows(layer))
+      toml += fmt::format("glow = {}\n", layer.glow) +
+              (layer.glow_reach > 0 ? fmt::format("glow_reach = {}\n", std::max(1.0, layer.glow_reach)) : "");
     if (layer.motion == "footage") {
       toml += footage_keys(layer, size, files);
       if (!layer.matte_clip.empty())

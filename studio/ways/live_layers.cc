@@ -26,8 +26,10 @@ constexpr const char* kPicture = "picture.png";
 /// What of it moves soon.
 DrawnScene lively(DrawnScene drawn) {
   drawn.frames = std::min(drawn.frames, kFrames);
-  for (DrawnLayer& layer : drawn.layers)
+  for (DrawnLayer& layer : drawn.layers) {
     if (layer.motion == "patches") layer.motion = "still";
+    layer.sway_clip.clear();  // measured for seconds
+  }
   return drawn;
 }
 

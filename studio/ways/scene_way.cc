@@ -11,8 +11,10 @@ namespace {
 /// The picture in layers under one wind.
 WayPlan plan_scene(const Document& document) {
   const DrawnScene& scene = document.scene;
-  const bool searches = std::any_of(scene.layers.begin(), scene.layers.end(),
-                                    [](const DrawnLayer& layer) { return layer.motion == "patches"; });
+  const bool searches = std::any_of(scene.layers.begin(), scene.layers.end(), [](const DrawnLayer& layer) {
+    return layer.motion == "patches" ||
+           (layer.motion == "tree" && !layer.sway_clip.empty() && !layer.sway_dropped);
+  });
   if (scene.layers.empty()) throw Error(ErrorKind::kUsage, "layers", "there is none", "Add one");
   return {.folder = "scene",
           .commands = {{"synth", "scene", "ways/scene/scene.toml", "-o", "ways/scene/film.mp4", "--draw",

@@ -39,7 +39,7 @@ void assign_limited(const synth::transfer::PatchDistance& distance, const std::v
                     synth::transfer::NearestField& field);
 
 /// The nearest source, where one that `field` uses more often than its uniform share is as many times as far.
-/// Source   offset histograms (Kopf et al. 2007; Chen and Wang 2010), which Benard et al. 2013 use by LazyFluids Sec. 5.
+/// Source   offset histograms (Kopf et al. 2007; Chen and Wang 2010): Benard et al. 2013 use them (LazyFluids Sec. 5).
 void assign_by_histogram(const synth::transfer::PatchDistance& distance, const std::vector<int>& sources,
                          const std::vector<int>& targets, const synth::transfer::RetrievalOptions& options,
                          synth::transfer::NearestField& field);

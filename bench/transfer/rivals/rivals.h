@@ -19,7 +19,7 @@ enum class Rival {
   /// histogram of offsets; no segments. Not as there: one sweep forward, where they go to and fro, and no term for
   /// distances or orientation.
   kBenard,
-  /// Browning et al. 2014: keyframes, as LazyFluids made them for it: every kKeyStep'th frame by Transfer with lambda 0.
+  /// Browning et al. 2014: keyframes, as LazyFluids made them for it: each kKeyStep-th frame by Transfer, lambda 0.
   /// Between two both are carried along the flow and blended by time; patches of both, that look like the blend,
   /// give it back its detail (regenerative morphing). Not as there: two levels, no keyframes of a person.
   kBrowning,

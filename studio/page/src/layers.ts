@@ -53,7 +53,7 @@ export function addLayer(motion: LayerMotion, as: Partial<DrawnLayer> = {}): voi
   const usual = as.name ?? kMotions[motion].usual;
   let name = usual;
   for (let number = 2; layers.some((layer) => layer.name === name); ++number) name = `${usual} ${number}`;
-  const made: DrawnLayer = { motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, in_3d: false, drift: 0, shade: 0, class: "", film: "design", clip: "", matte_clip: "", start: 0, repeats: true, ground: "none", blend: "over", glow: 0, ...as, name };
+  const made: DrawnLayer = { motion, matte: "painted", paint: [], lines: [], plant: "tree", sway_clip: "", sway_dropped: true, sway_lines: [], shimmer: 0, waves: 0, mirrors: false, roll: 1, in_3d: false, drift: 0, shade: 0, class: "", film: "design", clip: "", matte_clip: "", start: 0, repeats: true, ground: "none", blend: "over", glow: 0, glow_reach: 0, ...as, name };
   changeScene({ layers: [made, ...layers] });
   view.layer.value = 0;
   view.layerTool.value = motion === "footage" ? "line" : "paint";

@@ -9,6 +9,7 @@ import { layersProblem, liveLayers, renewLayers } from "./livelayers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
+import { SwayChoice } from "./swaychoice";
 import type { Blend, Document, DrawnLayer, DrawnScene, Ground, LayerFilm, LayerMatte, LayerMotion } from "./types";
 import * as view from "./view";
 
@@ -173,6 +174,7 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
       return (
         <>
           <Select label="Plant" value={layer.plant} options={[["tree", "Tree"], ["flower", "Flower"], ["grass", "Grass"]] as const} onChange={(plant) => changeLayer({ plant })} />
+          <SwayChoice layer={layer} />
           <Slider label="Shimmer of leaves" value={layer.shimmer} {...state.range("tree.shimmer")} step={0.1} shown={`${layer.shimmer.toFixed(1)} px`} onInput={(shimmer) => changeLayer({ shimmer }, "layer-shimmer")} />
         </>
       );
@@ -181,6 +183,7 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
         <>
           <Slider label="Waves" value={layer.waves} {...state.range("water.amplitude")} step={0.01} shown={layer.waves === 0 ? "as usual" : layer.waves.toFixed(2)} onInput={(waves) => changeLayer({ waves }, "layer-waves")} />
           <Switch label="Mirrors" hint="What moves above it moves in it, too" checked={layer.mirrors} onChange={(mirrors) => changeLayer({ mirrors })} />
+          <Glow layer={layer} />
         </>
       );
     case "boat":
@@ -217,7 +220,13 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
 }
 
 function Glow({ layer }: { layer: DrawnLayer }): JSX.Element {
-  return <Slider label="Lights what is around it" value={layer.glow} {...state.range("layer.glow")} step={0.01} shown={layer.glow === 0 ? "not" : layer.glow.toFixed(2)} onInput={(glow) => changeLayer({ glow }, "layer-glow")} />;
+  const { width = 1, height = 1 } = state.project.value ?? {};
+  return (
+    <>
+      <Slider label="Lights what is around it" value={layer.glow} {...state.range("layer.glow")} step={0.01} shown={layer.glow === 0 ? "not" : layer.glow.toFixed(2)} onInput={(glow) => changeLayer({ glow }, "layer-glow")} />
+      {layer.glow > 0 && <Slider label="Half as bright after" value={layer.glow_reach} min={0} max={Math.max(width, height, Math.ceil(layer.glow_reach))} step={1} shown={layer.glow_reach === 0 ? "as usual" : `${layer.glow_reach} px`} onInput={(glow_reach) => changeLayer({ glow_reach }, "layer-reach")} />}
+    </>
+  );
 }
 
 const kFilms = { design: "What Design has made", flowlines: "The endless clip of Flow lines", stills: "The film of Stills" } as const;

@@ -102,6 +102,9 @@ export interface DrawnLayer {
   paint: Drawn[];
   lines: Stroke[];
   plant: "tree" | "flower" | "grass";
+  sway_clip: string; // of a tree: in which such a plant sways; "": none
+  sway_dropped: boolean; // that was dropped, or the store's
+  sway_lines: Stroke[]; // from root to tip in its first frame, px of it
   shimmer: number;
   waves: number;
   mirrors: boolean;
@@ -117,7 +120,8 @@ export interface DrawnLayer {
   repeats: boolean;
   ground: Ground; // of footage: what it was filmed on, taken off
   blend: Blend;
-  glow: number; // of patches and footage, on the layers around
+  glow: number; // of patches, footage and water, on the layers around
+  glow_reach: number; // px; 0: as usual
 }
 
 /** A picture in layers that one wind moves, nearest first. */

@@ -81,6 +81,9 @@ Document full() {
                                 .paint = {{.points = {{5, 5}}, .width = 9, .adds = false, .is_area = false}},
                                 .lines = {{.points = {{1, 1}, {9, 1}}, .speed = {}}},
                                 .plant = "flower",
+                                .sway_clip = "grass/1.mp4",
+                                .sway_dropped = false,
+                                .sway_lines = {{.points = {{30, 90}, {32, 20}}, .speed = {}}},
                                 .shimmer = 1.5,
                                 .waves = 0.25,
                                 .mirrors = true,
@@ -98,7 +101,8 @@ Document full() {
                                 .repeats = false,
                                 .ground = "black",
                                 .blend = "screen",
-                                .glow = 0.5},
+                                .glow = 0.5,
+                                .glow_reach = 40},
                                {.name = "land", .matte = LayerMatte::kRest}}};
   document.sweep = {.axes = {{.setting = "speed", .values = {"0.5", "2"}},
                              {.setting = "class", .values = {"", "a, \\ b", "fall"}}},
@@ -147,12 +151,15 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   film["scene"]["layers"][1]["motion"] = "film";
   EXPECT_EQ(document_from_json(film.dump(), "document"), full()) << "what footage was called";
   for (Json& layer : film["scene"]["layers"])
-    for (const char* later :
-         {"film", "matte_clip", "start", "repeats", "ground", "blend", "in_3d", "shade", "glow"})
+    for (const char* later : {"film", "matte_clip", "start", "repeats", "ground", "blend", "in_3d", "shade",
+                              "glow", "glow_reach", "sway_clip", "sway_dropped", "sway_lines"})
       layer.erase(later);
   expected = full();
   expected.scene.layers[0].in_3d = false;
   expected.scene.layers[0].shade = 0;
+  expected.scene.layers[0].sway_clip.clear();
+  expected.scene.layers[0].sway_dropped = true;
+  expected.scene.layers[0].sway_lines.clear();
   expected.scene.layers[1] = {.name = "fire", .motion = "footage", .film = "clip", .clip = "fire 1.mkv"};
   EXPECT_EQ(document_from_json(film.dump(), "document"), expected);
 }

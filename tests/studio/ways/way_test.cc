@@ -276,6 +276,56 @@ TEST(Way, AFilmIsALayerWhereItWasPlaced) {
   EXPECT_NE(files_of("scene", document).back().bytes.find("../design/fluid.mkv"), std::string::npos);
 }
 
+TEST(Way, ATreeSwaysAsInADroppedClipOrOneOfTheStore) {
+  Document document;
+  document.store = "a store.freshet";
+  document.scene.layers = {{.name = "reed",
+                            .motion = "tree",
+                            .paint = {area(10, 20, 50, 140)},
+                            .lines = {{.points = {{30, 138}, {30, 30}}, .speed = {}}},
+                            .plant = "grass",
+                            .sway_clip = "my reed.mp4"}};
+  DrawnLayer& layer = document.scene.layers[0];
+  EXPECT_THROW(files_of("scene", document), Error) << "nothing says where in it the reed stands";
+  layer.sway_lines = {{.points = {{40, 90}, {41, 60}, {44, 12.5f}}, .speed = {}},
+                      {.points = {{70, 90}, {70, 20}}, .speed = {}}};
+  const auto reed = [&] {
+    const std::string toml = files_of("scene", document).back().bytes;
+    return *synth::scene::parse_scene(toml, "scene.toml").layers[0].as<synth::scene::TreeMotion>();
+  };
+  EXPECT_EQ(reed().motion_from, "../flowlines/clips/my reed.mp4");
+  EXPECT_EQ(reed().motion_clip, "");
+  ASSERT_EQ(reed().motion_armatures.size(), 2U);
+  EXPECT_EQ(reed().motion_armatures[0].from, cv::Point2d(40, 90)) << "its root";
+  EXPECT_EQ(reed().motion_armatures[0].to, cv::Point2d(44, 12.5));
+  EXPECT_EQ(way_of("scene").plan(document).store, "");
+  layer.sway_dropped = false;
+  layer.sway_clip = "grass/1.mp4";
+  EXPECT_EQ(reed().motion_from, "a store.freshet");
+  EXPECT_EQ(reed().motion_clip, "grass/1.mp4");
+  EXPECT_EQ(way_of("scene").plan(document).store, "a store.freshet");
+  document.store.clear();
+  EXPECT_THROW(files_of("scene", document), Error) << "no store is chosen";
+}
+
+TEST(Way, WaterLightsWhatIsAroundItAsFarAsItIsAsked) {
+  Document document;
+  document.scene.layers = {{.name = "lake",
+                            .motion = "water",
+                            .paint = {area(0, 80, 193, 151)},
+                            .lines = {{.points = {{0, 75}, {193, 75}}, .speed = {}}},
+                            .glow = 3}};
+  const auto toml = [&] { return files_of("scene", document).back().bytes; };
+  EXPECT_NE(toml().find("glow = 3\n"), std::string::npos) << toml();
+  EXPECT_EQ(toml().find("glow_reach"), std::string::npos) << "the usual";
+  document.scene.layers[0].glow_reach = 25;
+  const synth::scene::SceneLayer lake = synth::scene::parse_scene(toml(), "scene.toml").layers[0];
+  EXPECT_EQ(lake.glow, 3);
+  EXPECT_EQ(lake.glow_reach_px, 25);
+  document.scene.layers[0].motion = "clouds";
+  EXPECT_EQ(toml().find("glow"), std::string::npos) << "clouds light nothing";
+}
+
 TEST(Way, AWindThatChangesEndsAsItSaysAndALoopsAsItBegan) {
   Document document;
   document.scene = {.wind = 2,

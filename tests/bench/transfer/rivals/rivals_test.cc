@@ -63,6 +63,13 @@ TEST(Rivals, KeyframesPulsate) {
     EXPECT_LT(laplacian_energy(all[key - 5]), 0.8 * laplacian_energy(all[key])) << key;
 }
 
+TEST(Rivals, AFrameIsLikestTheNearerKeyframe) {
+  const std::vector<cv::Mat> all = made(Rival::kBrowning, blot({64, 64}, 3), 11);
+  const cv::Rect middle(36, 36, 24, 24);  // where the disc hardly moves
+  EXPECT_LT(cv::norm(all[1](middle), all[0](middle)), 0.8 * cv::norm(all[9](middle), all[0](middle)));
+  EXPECT_LT(cv::norm(all[9](middle), all[10](middle)), 0.8 * cv::norm(all[1](middle), all[10](middle)));
+}
+
 TEST(Rivals, KeyframesGoAlongTheDesign) {
   const std::vector<TargetFrame> turning = design(11);
   const cv::Point from(48, 20);
