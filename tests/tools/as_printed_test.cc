@@ -1,5 +1,9 @@
 // --as-printed: one word for all options of a paper, and what contradicts it.
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/tools/sample.h"
@@ -74,6 +78,99 @@ TEST(AsPrinted, RefusesWhatContradictsItByName) {
     const Outcome outcome = folder.freshet(words);
     EXPECT_NE(outcome.exit_code, 0) << words[1];
     EXPECT_NE(outcome.err.find(fault), std::string::npos) << words[1] << ": " << outcome.err;
+  }
+}
+
+/// A command without what contradicts, and for each option that the paper settles another value.
+struct Contradicted {
+  std::string command;
+  Words rest;
+  struct Option {
+    std::string name, other, printed;
+  };
+  std::vector<Option> options;
+};
+
+TEST(AsPrinted, RefusesAnotherValueOfEachOptionThatItSets) {
+  const WorkFolder folder;
+  const std::vector<Contradicted> commands{
+      {"animate",
+       {sample().store, sample().still, "--matte", sample().matte, "-o", "a.mp4"},
+       {{"--method", "carried", "paper"},
+        {"--piece-scale", "2", "1"},
+        {"--candidates", "50", "100"},
+        {"--coherent", "10", "0"},
+        {"--hint", "auto", "none"},
+        {"--hint-search", "wide", "narrow"},
+        {"--costs", "log", "power"},
+        {"--vote", "4", "0"},
+        {"--hint-weight", "1", "0"},
+        {"--reuse", "0.1", "0"},
+        {"--crowd", "0.02", "0"},
+        {"--solver", "trw-s", "alpha-expansion"},
+        {"--horizon", "20", "none"},
+        {"--speed", "2", "1"},
+        {"--resampling", "flow", "nearest"},
+        {"--blend", "variance", "paper"},
+        {"--low-band", "shared", "keep"},
+        {"--matching", "sequence", "frame"},
+        {"--max-gain", "2", "20"}}},
+      {"transfer",
+       {"--exemplar", "a.png", "--design", "d", "-o", "%05d.png"},
+       {{"--uniformity", "off", "on"},
+        {"--search", "patchmatch", "exact"},
+        {"--initialise", "random", "warped"},
+        {"--rotations", "1", "4"},
+        {"--exemplar-scale", "0.5", "1"},
+        {"--stabilise", "true", "false"},
+        {"--curvature", "1", "0"},
+        {"--divergence", "1", "0"},
+        {"--ground", "black", "none"},
+        {"--patch", "7", "5"},
+        {"--lambda", "0.3", "0.2"},
+        {"--lower", "0.2", "0.1"},
+        {"--upper", "0.8", "0.9"}}},
+      {"stills",
+       {"folder", "-o", "a.mp4", "--one-region"},
+       {{"--camera", "auto", "tripod"},
+        {"--level", "on", "off"},
+        {"--distance", "paths", "l2"},
+        {"--cut-above", "3", "2"},
+        {"--normalise", "mean", "sum"}}},
+      {"flowlines",
+       {"a.mp4", "-o", "b.mp4", "--lines", "a.svg"},
+       {{"--blend", "cut", "feather"},
+        {"--repeats", "varied", "in-turn"},
+        {"--strand", "12", "0"},
+        {"--ground", "black", "none"}}}};
+  for (const Contradicted& one : commands) {
+    SCOPED_TRACE(one.command);
+    // Its help lists what it sets: all of them are here, and flags that it leaves off.
+    const std::string help =
+        folder.freshet({"synth", one.command, one.command == "animate" ? "--help-all" : "--help"}).out;
+    const std::size_t from = help.find("prints it, whole: ");
+    ASSERT_NE(from, std::string::npos);
+    const std::string listed = help.substr(from, help.find("\n\n", from) - from);
+    std::ptrdiff_t set = 0;
+    for (std::size_t at = listed.find("--"); at != std::string::npos; at = listed.find("--", at + 1)) ++set;
+    EXPECT_EQ(set,
+              std::count_if(one.options.begin(), one.options.end(),
+                            [](const Contradicted::Option& option) { return option.printed != "false"; }))
+        << listed;
+    for (const auto& [name, other, printed] : one.options) {
+      EXPECT_TRUE(printed == "false" || listed.find(name + " " + printed) != std::string::npos) << name;
+      Words words{"synth", one.command};
+      words.insert(words.end(), one.rest.begin(), one.rest.end());
+      words.insert(words.end(), {"--as-printed", name});
+      if (other != "true") words.push_back(other);
+      const Outcome outcome = folder.freshet(words);
+      EXPECT_EQ(outcome.exit_code, 2) << name;
+      EXPECT_NE(outcome.err.find(name + " " + other + " contradicts it: the paper prints " + printed + " ("),
+                std::string::npos)
+          << outcome.err;
+      EXPECT_NE(outcome.err.find("Leave " + name + " out, or --as-printed"), std::string::npos)
+          << outcome.err;
+    }
   }
 }
 

@@ -390,6 +390,41 @@ TEST(SceneFile, AsPrintedHasThePapersValuesAndRefusesOthersByName) {
               AllOf(HasSubstr("layer (boat).shadow"), HasSubstr("the paper's layers cast none")));
 }
 
+TEST(SceneFile, AsPrintedRefusesAnotherValueOfEachKeyThatItSets) {
+  const std::map<std::string, std::string> of_motion{{"tree", "armature = [1, 9, 1, 2]\n"},
+                                                     {"water", "horizon = [0, 10, 100, 10]\n"},
+                                                     {"boat", "hull = [5, 9, 20, 9]\n"},
+                                                     {"clouds", ""}};
+  const std::map<std::string, std::string> others{
+      {"gustiness", "0.5"},       {"plant", "\"grass\""}, {"shimmer", "0.5"},  {"mapping", "\"normals\""},
+      {"against", "0.5"},         {"edge", "\"held\""},   {"mirrors", "true"}, {"in_3d", "true"},
+      {"reflection_of", "\"b\""}, {"far_speed", "0.5"},   {"shade", "0.5"}};
+  const auto fault = [](const std::string& text) {
+    return fault_of([&] { parse_printed_scene(text, "folder/a.toml"); });
+  };
+  const auto layer = [&](const std::string& motion, const std::string& keys, const std::string& name = "a") {
+    return "[[layer]]\nname = \"" + name + "\"\nmatte = \"" + name + ".png\"\nmotion = \"" + motion + "\"\n" +
+           of_motion.at(motion) + keys;
+  };
+  for (const PrintedKey& key : printed_keys()) {
+    const std::string line = key.key + " = ", other = others.at(key.key);
+    const auto scene = [&](const std::string& value) {
+      if (key.table == "wind") return kTop + "[wind]\n" + line + value + "\n" + layer("clouds", "");
+      return kTop + layer(key.table, line + value + "\n") + layer("boat", "", "b") + layer("water", "", "c");
+    };
+    EXPECT_EQ(fault(scene(key.value)), "no fault") << key.key;
+    EXPECT_EQ(parse_fault(scene(other)), "no fault") << key.key;
+    EXPECT_THAT(fault(scene(other)),
+                AllOf(HasSubstr("." + key.key + ": "), HasSubstr("contradicts --as-printed"),
+                      HasSubstr("the paper prints " + key.value), HasSubstr(key.where)))
+        << key.key;
+  }
+  // What is refused whatever it says.
+  EXPECT_THAT(fault(kTop + layer("water", "glow = 1\n")), HasSubstr("glow: contradicts --as-printed"));
+  EXPECT_THAT(fault(kTop + layer("tree", "motion_from = \"a.mp4\"\nmotion_armature = [1, 90, 1, 20]\n")),
+              HasSubstr("motion_from: contradicts --as-printed"));
+}
+
 TEST(SceneFile, TheWindMayChangeAndItsMistakesNameLineKeyAndRemedy) {
   const std::string rest = "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"still\"\n";
   const Scene scene = parse_scene(
