@@ -891,6 +891,7 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await page.getByRole("combobox", { name: "Sways as in" }).selectOption({ index: 1 });
   const plants = page.getByRole("img", { name: "The film's plant" });
   await until(async () => (await plants.locator("svg").getAttribute("viewBox")) !== "0 0 0 0");
+  await plants.scrollIntoViewIfNeeded();
   const [{ x, y, width, height }, [, , wide, high]] = [await plants.boundingBox(), (await plants.locator("svg").getAttribute("viewBox")).split(" ").map(Number)];
   await page.mouse.move(x + width / 2, y + height - 10);
   await page.mouse.down();

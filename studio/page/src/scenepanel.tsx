@@ -219,11 +219,13 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
   }
 }
 
+const kGlitter = 5; // glow of glittering water, which is little light: 2 to 5 is usual
+
 function Glow({ layer }: { layer: DrawnLayer }): JSX.Element {
   const { width = 1, height = 1 } = state.project.value ?? {};
   return (
     <>
-      <Slider label="Lights what is around it" value={layer.glow} {...state.range("layer.glow")} step={0.01} shown={layer.glow === 0 ? "not" : layer.glow.toFixed(2)} onInput={(glow) => changeLayer({ glow }, "layer-glow")} />
+      <Slider label="Lights what is around it" value={layer.glow} {...state.range("layer.glow")} {...(layer.motion === "water" ? { max: kGlitter } : {})} step={0.01} shown={layer.glow === 0 ? "not" : layer.glow.toFixed(2)} onInput={(glow) => changeLayer({ glow }, "layer-glow")} />
       {layer.glow > 0 && <Slider label="Half as bright after" value={layer.glow_reach} min={0} max={Math.max(width, height, Math.ceil(layer.glow_reach))} step={1} shown={layer.glow_reach === 0 ? "as usual" : `${layer.glow_reach} px`} onInput={(glow_reach) => changeLayer({ glow_reach }, "layer-reach")} />}
     </>
   );

@@ -33,9 +33,9 @@ function Plants({ layer }: { layer: DrawnLayer }): JSX.Element {
     const { left, top, width, height } = (event.currentTarget as Element).getBoundingClientRect();
     return [((event.clientX - left) / width) * size[0], ((event.clientY - top) / height) * size[1]];
   };
-  const end = (): void => {
-    const [from, to] = line;
-    if (from && to && Math.hypot(to[0] - from[0], to[1] - from[1]) >= kLeast) changeLayer({ sway_lines: [...layer.sway_lines, { points: [from, to], speed: null }] });
+  const end = (event: PointerEvent): void => {
+    const [from, to] = [line[0], at(event)];
+    if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) >= kLeast) changeLayer({ sway_lines: [...layer.sway_lines, { points: [from, to], speed: null }] });
     setLine([]);
   };
   const lines = [...layer.sway_lines.map(({ points }) => points), ...(line.length > 1 ? [line] : [])];

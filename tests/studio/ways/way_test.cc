@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "studio/drawing/reduced.h"
 #include "studio/ways/layer_scene.h"
 #include "studio/ways/sweep_recipe.h"
 #include "synth/scene/scene_file.h"
@@ -322,6 +323,7 @@ TEST(Way, WaterLightsWhatIsAroundItAsFarAsItIsAsked) {
   const synth::scene::SceneLayer lake = synth::scene::parse_scene(toml(), "scene.toml").layers[0];
   EXPECT_EQ(lake.glow, 3);
   EXPECT_EQ(lake.glow_reach_px, 25);
+  EXPECT_EQ(reduced(document.scene, 2).layers[0].glow_reach, 12.5) << "of a smaller picture";
   document.scene.layers[0].motion = "clouds";
   EXPECT_EQ(toml().find("glow"), std::string::npos) << "clouds light nothing";
 }
