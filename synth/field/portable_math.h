@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "platform/smoothstep.h"
+
 namespace freshet::synth {
 
 inline constexpr float kPi = 3.14159265f;
@@ -58,11 +60,6 @@ inline float sin_turns(float turns) {
   return x * (1.0f + x2 * (-0.16666667f + x2 * (0.00833333f + x2 * (-0.00019841f + x2 * 0.0000027557f))));
 }
 inline float cos_turns(float turns) { return sin_turns(turns + 0.25f); }
-
-inline float smoothstep(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3.0f - 2.0f * t);
-}
 
 inline float lerp(float a, float b, float t) { return a + (b - a) * t; }
 

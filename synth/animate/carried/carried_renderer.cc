@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "platform/smoothstep.h"
 #include "synth/animate/clips/piece_lives.h"
 #include "synth/animate/clips/piece_standing.h"
 #include "synth/animate/motion/copy_maps.h"
@@ -47,17 +48,11 @@ constexpr double kTextureTravel_px = 36, kShownIntervals = 1.5, kSpread_px = 70;
 constexpr double kMaxTextureGain = 1.5;  // two copies that begin displaced agree in nothing: they lose 1.41
 constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
 // How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
-// clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From the first two on they go without shear, from
-// the others on with their light and colour.
+// clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From the first two on they go without shear,
+// from the others on with their light and colour.
 constexpr double kWholeFrom_s = 0.7, kWholeSure_s = 1, kBodiesFrom_s = 0.9, kBodiesSure_s = 1.3;
 constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to another copy as a whole
 constexpr double kShareReach = 1;   // pieces: neighbours stand alike
-
-/// 0 up to `from`, 1 from `sure` on, and smoothly between.
-double risen(double from, double sure, double at) {
-  const double t = std::clamp((at - from) / (sure - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
 CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
@@ -180,8 +175,8 @@ class CarriedRenderer final : public Renderer {
     measured_shares_ = standing_shares(animation_.snapshot, animation_.placement,
                                        vision::levels_within(still_.target.size(), options_.contrast.levels));
     const double goes = 1 - measured_shares_.back(), going_s = goes * goes * lives.forms_s;
-    bodies_ = risen(kBodiesFrom_s, kBodiesSure_s, going_s);
-    const double whole = risen(kWholeFrom_s, kWholeSure_s, going_s);
+    bodies_ = smoothstep(kBodiesFrom_s, kBodiesSure_s, going_s);
+    const double whole = smoothstep(kWholeFrom_s, kWholeSure_s, going_s);
     carried_motion_ = whole > 0 ? apply_guide(evened_motion(still_.assigned_motion, still_.alpha, whole),
                                               animation_.options.guide, still_.alpha)
                                 : still_.asked_motion;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "platform/smoothstep.h"
 #include "stored/patch_standing.h"
 #include "synth/animate/clips/piece_cells.h"
 #include "synth/animate/placement/piece_values.h"
@@ -68,21 +69,20 @@ std::vector<cv::Mat> layout_shares(const store::Snapshot& snapshot, const Placem
   for (int level = 0; level < levels; ++level) shares.push_back(lattice.none());
   const double finer = std::log2(placement.piece_scale);
   std::size_t piece = 0;
-  each_piece(snapshot, placement, stored::layout_cells,
-             [&](const PlacedPatch& patch, const vision::CellMap* cells, const vision::VariantFrame& frame) {
-               const cv::Point at = lattice.at(piece++);
-               if (!cells) return;
-               const std::array<double, kBands> own =
-                   stored::patch_layout(*cells, frame, patch.variant.scale, patch.patch, placement.side);
-               for (std::size_t level = 0; level < shares.size(); ++level) {
-                 const double band = std::clamp(static_cast<double>(level) - finer, 0.0, kBands - 1.0);
-                 const auto below = std::min(static_cast<std::size_t>(band), kBands - 2);
-                 const double found =
-                     std::lerp(own[below], own[below + 1], band - static_cast<double>(below));
-                 const double t = std::clamp((found - kLayoutFrom) / (kLayoutSure - kLayoutFrom), 0.0, 1.0);
-                 shares[level].at<float>(at) = static_cast<float>(t * t * (3 - 2 * t));
-               }
-             });
+  each_piece(
+      snapshot, placement, stored::layout_cells,
+      [&](const PlacedPatch& patch, const vision::CellMap* cells, const vision::VariantFrame& frame) {
+        const cv::Point at = lattice.at(piece++);
+        if (!cells) return;
+        const std::array<double, kBands> own =
+            stored::patch_layout(*cells, frame, patch.variant.scale, patch.patch, placement.side);
+        for (std::size_t level = 0; level < shares.size(); ++level) {
+          const double band = std::clamp(static_cast<double>(level) - finer, 0.0, kBands - 1.0);
+          const auto below = std::min(static_cast<std::size_t>(band), kBands - 2);
+          const double found = std::lerp(own[below], own[below + 1], band - static_cast<double>(below));
+          shares[level].at<float>(at) = static_cast<float>(smoothstep(kLayoutFrom, kLayoutSure, found));
+        }
+      });
   return shares;
 }
 

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "platform/random.h"
+#include "platform/smoothstep.h"
 #include "platform/vectors.h"
 #include "synth/sampling/remapped.h"
 
@@ -323,8 +324,7 @@ void CopyMaps::prepare(int first, int count) {
 double CopyMaps::still(int i) const {
   const int loop = options_.loop_frames;
   const int away = loop > 0 ? std::min(i % loop, loop - i % loop) : i;
-  const double t = std::clamp(1 - static_cast<double>(away) / options_.interval, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
+  return smoothstep(0.0, 1.0, 1 - static_cast<double>(away) / options_.interval);
 }
 
 /// How well what a copy brings goes with each place, > 0. from: places of its sources, in samples.
