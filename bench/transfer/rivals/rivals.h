@@ -31,7 +31,7 @@ inline constexpr std::size_t kKeyStep = 10;
 ///
 /// exemplar, design  as Transfer takes them; design outlives what is returned.
 /// Throws            Error as Transfer::next does.
-/// Cost              1 to 6 times Transfer with Retrieval::kNearest.
+/// Cost              1 to 3 times Transfer with Retrieval::kNearest.
 std::function<synth::transfer::TransferredFrame(std::size_t t)> rival(
     Rival method, synth::transfer::Exemplar exemplar,
     const std::vector<synth::transfer::TargetFrame>& design);
