@@ -115,6 +115,24 @@ const std::vector<Key<StillPin>>& pin_keys() {
   return keys;
 }
 
+const std::vector<Key<FrontEdit>>& front_keys() {
+  static const std::vector<Key<FrontEdit>> keys{
+      {"name",
+       &FrontEdit::name,
+       {},
+       "",
+       "what it is called; a [[region]] of this name says how it goes",
+       kNeeded},
+      {"mattes",
+       &FrontEdit::mattes,
+       {},
+       "",
+       "a folder of grey pictures named as the stills, white where the thing is; a still without one does "
+       "not show it",
+       kNeeded}};
+  return keys;
+}
+
 RegionEdits read_region(Section& section) {
   RegionEdits edits;
   read_keys(section, region_keys(), edits, "");
@@ -162,6 +180,11 @@ StillsEdits read_edits(const std::filesystem::path& path) {
               "A pin is from = \"a.jpg\", to = \"b.jpg\", at = [x, y], goes = [x, y]");
     section.done();
   }
+  for (Section& section : root.tables("front", 32)) {
+    read_keys(section, front_keys(), edits.fronts.emplace_back(),
+              "A thing in front is name = \"heron\", mattes = \"heron\"");
+    section.done();
+  }
   root.done();
   return edits;
 }
@@ -189,6 +212,15 @@ from = "a.jpg"
 to = "b.jpg"
 at = [412, 230]
 goes = [530, 218]
+
+Below [[front]], a thing that passes before others, nearest first. It is taken out of the stills and goes by itself;
+what it hides is filled from stills that show it:
+
+)" + key_lines(key_texts(front_keys())) +
+         R"(
+[[front]]
+name = "heron"
+mattes = "heron"
 )";
 }
 

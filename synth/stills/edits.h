@@ -41,8 +41,15 @@ struct StillPin {
   std::optional<double> reach;  // px: farther from it flow stays as it was found; nothing: kPinReach
 };
 
+/// A thing that passes in front of others.
+struct FrontEdit {
+  std::string name;
+  std::filesystem::path mattes;  // the folder of its mattes, one a still
+};
+
 struct StillsEdits {
   std::vector<RegionEdits> regions;
+  std::vector<FrontEdit> fronts;  // nearest first
   std::vector<StillPin> pins;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,6 +35,53 @@ std::vector<Region> choose_regions(const FilmOptions& options, const StillSet& s
   return std::move(proposal.regions);
 }
 
+/// Takes the things in front out of the set; their parts of the plan, without the regions behind them.
+std::vector<PlannedRegion> plan_fronts(StillSet& set, const FilmOptions& options,
+                                       std::vector<std::string>& notices, const Job& job) {
+  std::vector<PlannedRegion> planned;
+  std::vector<std::vector<cv::Mat>> all;
+  for (const FrontEdit& edit : options.fronts) all.push_back(front_mattes(edit.mattes, set));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const FrontEdit& edit = options.fronts[k];
+    const std::vector<cv::Mat>& mattes = all[k];
+    // What is filled must not show a farther thing where it is in another still, nor be taken for that thing.
+    std::vector<cv::Mat> farther(mattes.size());
+    for (std::size_t i = 0; i < mattes.size(); ++i) {
+      farther[i] = cv::Mat(mattes[i].size(), CV_8U, cv::Scalar(0));
+      for (std::size_t other = k + 1; other < all.size(); ++other) {
+        cv::max(farther[i], all[other][i], farther[i]);
+        cv::multiply(all[other][i], 255 - mattes[i], all[other][i], 1.0 / 255);
+      }
+    }
+    auto thing = std::make_shared<FrontThing>(part_stills(set.pictures, mattes, farther, edit.name, notices));
+    std::vector<cv::Mat> grey;
+    for (std::size_t i = 0; i < mattes.size(); ++i)
+      grey.push_back(over_grey(thing->light[i], thing->alpha[i]));
+    grey = reduced(grey, kWorkSide);
+    Region region{.name = edit.name, .mask = cv::Mat(grey[0].size(), CV_8U, cv::Scalar(0)), .parent = {}};
+    for (const cv::Mat& matte : mattes) {
+      cv::Mat small;
+      cv::resize(matte, small, region.mask.size(), 0, 0, cv::INTER_AREA);
+      region.mask.setTo(255, small > 0);
+    }
+    PlanOptions plan = options.plan;
+    plan.split = 1;
+    std::erase_if(plan.edits,
+                  [&](const RegionEdits& each) { return each.region != "*" && each.region != edit.name; });
+    for (RegionEdits& each : plan.edits) {
+      if (each.region == edit.name && (each.kind || each.split))
+        throw Error(ErrorKind::kInput, "region " + edit.name, "a thing in front has no kind and no parts",
+                    "Take out kind and split");
+      each.kind = {}, each.split = {};
+    }
+    Plan made = make_plan(grey, set.names, {region}, plan, job);
+    notices.insert(notices.end(), made.notices.begin(), made.notices.end());
+    planned.push_back(std::move(made.regions[0]));
+    planned.back().front = std::move(thing);
+  }
+  return planned;
+}
+
 }  // namespace
 
 void settle(FilmOptions& options) {
@@ -50,6 +99,7 @@ void settle(FilmOptions& options) {
   StillsEdits edits = read_edits(options.edits);
   options.plan.edits = std::move(edits.regions);
   options.pins = std::move(edits.pins);
+  options.fronts = std::move(edits.fronts);
 }
 
 int largest_side(const FilmOptions& options) { return options.preview ? kPreviewSide : 0; }
@@ -85,13 +135,25 @@ void straighten(StillSet& set, const FilmOptions& options, const Job& job) {
 Film plan_film(StillSet set, const FilmOptions& options, const Job& job) {
   Film film{.stills = std::move(set), .small = {}, .plan = {}, .render = options.render, .notices = {}};
   film.notices = film.stills.notices;
+  std::vector<PlannedRegion> fronts = plan_fronts(film.stills, options, film.notices, job);
   film.small = reduced(film.stills.pictures, kWorkSide);
   // Widths are said for a picture of the work side; smaller ones are not enlarged to it.
   const double scale = std::max(film.small[0].cols, film.small[0].rows) / static_cast<double>(kWorkSide);
   film.render.feather_px *= scale;
   film.render.grown_px *= scale;
   const std::vector<Region> regions = choose_regions(options, film.stills, film.small, film.notices);
-  film.plan = make_plan(film.small, film.stills.names, regions, options.plan, job);
+  PlanOptions behind = options.plan;
+  for (const FrontEdit& edit : options.fronts) {
+    if (std::any_of(regions.begin(), regions.end(),
+                    [&](const Region& each) { return each.name == edit.name; }) ||
+        std::count_if(options.fronts.begin(), options.fronts.end(),
+                      [&](const FrontEdit& each) { return each.name == edit.name; }) > 1)
+      throw Error(ErrorKind::kInput, "front " + edit.name, "another region has this name",
+                  "Give it another name");
+    std::erase_if(behind.edits, [&](const RegionEdits& each) { return each.region == edit.name; });
+  }
+  film.plan = make_plan(film.small, film.stills.names, regions, behind, job);
+  std::move(fronts.begin(), fronts.end(), std::back_inserter(film.plan.regions));
   film.notices.insert(film.notices.end(), film.plan.notices.begin(), film.plan.notices.end());
   film.render.pins = placed_pins(options.pins, film.stills);
   for (std::string& notice : check_pins(film.plan, film.stills.size(), film.render))

@@ -23,7 +23,8 @@ struct FilmOptions {
   std::filesystem::path regions{}, scribbles{};
   bool one_region = false;
   std::filesystem::path edits{};
-  std::vector<StillPin> pins{};  // settle reads them from the edits
+  std::vector<StillPin> pins{};     // settle reads them from the edits
+  std::vector<FrontEdit> fronts{};  // these too
   PlanOptions plan{};
   RenderOptions render{};
 };
@@ -41,7 +42,7 @@ void straighten(StillSet& set, const FilmOptions& options, const Job& job);
 
 /// A film as it was decided.
 struct Film {
-  StillSet stills;             // straight
+  StillSet stills;             // straight; without the things in front, which the plan has
   std::vector<cv::Mat> small;  // at work size, 960 px at most, CV_8UC3
   Plan plan;
   RenderOptions render;              // widths in px of the work size
@@ -51,7 +52,8 @@ struct Film {
 };
 
 /// Regions and orders. options   settled. set   straight.
-/// Throws   Error{kInput} as read_regions, scribbled_regions, propose_regions, make_plan, placed_pins and check_pins.
+/// Throws   Error{kInput} as read_regions, scribbled_regions, propose_regions, make_plan, placed_pins, check_pins and
+///          front_mattes, and naming a thing in front: its name is another's, or its kind or parts are said.
 Film plan_film(StillSet set, const FilmOptions& options, const Job& job);
 
 }  // namespace freshet::synth::stills

@@ -212,7 +212,8 @@ class Planner {
                           .paths = std::move(paths),
                           .sequence = {},
                           .timeline = Timeline({0}, Square<double>(1)),
-                          .reference = {}};
+                          .reference = {},
+                          .front = {}};
     const TimingOptions timing = timing_of(region, edits);
     planned.sequence = sequence_of(planned, edits, timing.step_s / timing.speed, direction);
     planned.timeline = Timeline(planned.sequence, planned.rms, timing);

@@ -2,11 +2,13 @@
 // still.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "freshet/job.h"
 #include "synth/stills/edits.h"
+#include "synth/stills/parted_stills.h"
 #include "synth/stills/partial_order.h"
 #include "synth/stills/region.h"
 #include "synth/stills/sampling.h"
@@ -37,11 +39,12 @@ struct PlannedRegion {
   std::vector<Path> paths;
   std::vector<int> sequence;
   Timeline timeline;
-  std::string reference;  // the part that it goes by (Eq. 3); empty: none
+  std::string reference;                              // the part that it goes by (Eq. 3); empty: none
+  std::shared_ptr<const FrontThing> front = nullptr;  // of a thing in front, which goes over all regions
 };
 
 struct Plan {
-  std::vector<PlannedRegion> regions;  // none that stands
+  std::vector<PlannedRegion> regions;  // none that stands; things in front last, nearest first
   int standing = 0;                    // the still that is shown where nothing moves
   std::vector<std::string> notices;    // for a person
 };

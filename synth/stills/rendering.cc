@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -41,7 +42,8 @@ struct RegionLayer {
   cv::Rect box;    // px of the stills; all that has weight, and a margin
   std::map<Pair, Between> flows;
   bool fades = false;
-  bool kept = false;  // its pictures are
+  bool kept = false;                  // its pictures are
+  const FrontThing* front = nullptr;  // it goes over all regions, by its own alpha
 };
 
 cv::Rect full_box(const cv::Mat& weight, cv::Size full) {
@@ -74,10 +76,11 @@ std::set<Pair> pairs_shown(const Timeline& timeline, double seconds) {
 /// Regions that have any weight.
 std::vector<RegionLayer> layers_of(const Plan& plan, cv::Size pictures, const RenderOptions& options) {
   std::vector<Region> regions;
-  for (const PlannedRegion& each : plan.regions) regions.push_back(each.region);
+  for (const PlannedRegion& each : plan.regions)
+    if (!each.front) regions.push_back(each.region);
   const std::vector<cv::Mat> weights = region_weights(regions, options.grown_px, options.feather_px);
   std::vector<RegionLayer> layers;
-  for (std::size_t i = 0; i < plan.regions.size(); ++i) {
+  for (std::size_t i = 0; i < regions.size(); ++i) {
     if (cv::countNonZero(weights[i]) == 0) continue;
     layers.push_back({.planned = &plan.regions[i],
                       .weight = weights[i],
@@ -85,6 +88,14 @@ std::vector<RegionLayer> layers_of(const Plan& plan, cv::Size pictures, const Re
                       .flows = {},
                       .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow});
   }
+  for (const PlannedRegion& each : plan.regions)
+    if (each.front)
+      layers.push_back({.planned = &each,
+                        .weight = {},
+                        .box = full_box(each.region.mask, pictures),
+                        .flows = {},
+                        .fades = !options.flow,
+                        .front = each.front.get()});
   return layers;
 }
 
@@ -142,19 +153,26 @@ class Renderer {
   struct Shown {
     const RegionLayer* layer;
     const cv::Mat *a, *b;
+    const cv::Mat *alpha_a, *alpha_b;  // of a thing in front; else null
     Moment moment;
     cv::Mat picture;  // of the layer's box; empty: it is read from the moment, row by row
   };
 
   Shown show(const RegionLayer& layer, double seconds) const {
     const Instant instant = layer.planned->timeline.at(seconds);
-    Shown shown{&layer, &pictures_[instant.from], &pictures_[instant.to], {}, {}};
+    Shown shown{&layer, nullptr, nullptr, nullptr, nullptr, {}, {}};
+    const auto take = [&](int from, int to) {
+      const std::vector<cv::Mat>& stills = layer.front != nullptr ? layer.front->light : pictures_;
+      shown.a = &stills[from], shown.b = &stills[to];
+      if (layer.front != nullptr)
+        shown.alpha_a = &layer.front->alpha[from], shown.alpha_b = &layer.front->alpha[to];
+    };
+    take(instant.from, instant.to);
     shown.moment.phase = static_cast<float>(instant.phase);
     const Pair pair = std::minmax(instant.from, instant.to);
     const auto found = layer.flows.find(pair);
     if (found == layer.flows.end()) return shown;
-    shown.a = &pictures_[pair.first];
-    shown.b = &pictures_[pair.second];
+    take(pair.first, pair.second);
     const double phase = instant.from < instant.to ? instant.phase : 1 - instant.phase;
     const auto moment = [&] { return found->second.at(phase); };
     if (!layer.kept) {
@@ -188,12 +206,21 @@ class Renderer {
     const std::size_t width = static_cast<std::size_t>(out.cols);
     std::vector<float> sum(3 * width), left(width), colour(3 * width), weight(width);
     std::vector<MomentReader> readers;
-    for (const Shown& each : shown) readers.emplace_back(each.moment, *each.a, *each.b, each.layer->box);
+    std::vector<MomentReader> alphas;  // of the things in front, which come last
+    const std::size_t things = std::count_if(shown.begin(), shown.end(),
+                                             [](const Shown& each) { return each.layer->front != nullptr; });
+    const std::size_t regions = shown.size() - things;
+    std::vector<float> alpha(things > 0 ? 3 * width : 0);
+    for (const Shown& each : shown) {
+      readers.emplace_back(each.moment, *each.a, *each.b, each.layer->box);
+      if (each.layer->front != nullptr)
+        alphas.emplace_back(each.moment, *each.alpha_a, *each.alpha_b, each.layer->box);
+    }
     for (int y = 0; y < out.rows; ++y) {
       std::fill(left.begin(), left.end(), 1.0f);
       std::fill(sum.begin(), sum.end(), 0.0f);
       bool any = false;
-      for (std::size_t k = 0; k < shown.size(); ++k) {
+      for (std::size_t k = 0; k < regions; ++k) {
         const cv::Rect& box = shown[k].layer->box;
         if (y < box.y || y >= box.y + box.height) continue;
         WeightRow(shown[k].layer->weight, out.size()).read(y, box, weight.data());
@@ -206,13 +233,25 @@ class Renderer {
           for (int c = 0; c < 3; ++c) sum[3 * (box.x + x) + c] += weight[x] * colour[3 * x + c];
         }
       }
-      if (!any) continue;
       T* row = out.ptr<T>(y);
-      for (int x = 0; x < out.cols; ++x) {
+      for (int x = 0; any && x < out.cols; ++x) {
         if (left[x] >= 1) continue;
         const float rest = std::max(0.0f, left[x]);
         for (int c = 0; c < 3; ++c)
           row[3 * x + c] = cv::saturate_cast<T>(sum[3 * x + c] + rest * static_cast<float>(row[3 * x + c]));
+      }
+      // Things in front, the farthest first.
+      for (std::size_t k = shown.size(); k-- > regions;) {
+        const cv::Rect& box = shown[k].layer->box;
+        if (y < box.y || y >= box.y + box.height) continue;
+        readers[k].row(y - box.y, colour.data());
+        alphas[k - regions].row(y - box.y, alpha.data());
+        for (int i = 0; i < 3 * box.width; ++i) {
+          T& value = row[3 * box.x + i];
+          const float cover =
+              std::clamp(alpha[i] / static_cast<float>(std::numeric_limits<T>::max()), 0.0f, 1.0f);
+          if (cover > 0) value = cv::saturate_cast<T>(colour[i] + (1 - cover) * static_cast<float>(value));
+        }
       }
     }
   }
@@ -222,7 +261,7 @@ class Renderer {
     if (options_.cache == nullptr) return;
     std::vector<RegionLayer*> by_area;
     for (RegionLayer& layer : layers_)
-      if (!layer.fades) by_area.push_back(&layer);
+      if (!layer.fades && layer.front == nullptr) by_area.push_back(&layer);
     std::stable_sort(by_area.begin(), by_area.end(), [](const RegionLayer* a, const RegionLayer* b) {
       return a->box.area() < b->box.area();
     });
@@ -256,7 +295,11 @@ class Renderer {
         tasks.push_back({&layer, pair, &small[k]});
         for (const int still : {pair.first, pair.second})
           if (small[k][still].empty())
-            small[k][still] = reduced({pictures_[still](layer.box)}, options_.flow_side)[0];
+            small[k][still] = reduced(
+                {layer.front == nullptr
+                     ? pictures_[still](layer.box)
+                     : over_grey(layer.front->light[still](layer.box), layer.front->alpha[still](layer.box))},
+                options_.flow_side)[0];
       }
     }
     std::vector<std::optional<Between>> found(tasks.size());
@@ -266,7 +309,9 @@ class Renderer {
       if (job.stop.stop_requested()) return;
       const Task& task = tasks[i];
       const cv::Mat &from = (*task.small)[task.pair.first], &to = (*task.small)[task.pair.second];
-      const FlowPair flow = kept_.flow(from, to);
+      const FlowPair flow = task.layer->front == nullptr
+                                ? kept_.flow(from, to)
+                                : flow_of_thing(from, to, way_of(*task.layer, task.pair, from.size()));
       const std::vector<FlowPin> pins = pins_of(*task.layer, task.pair);
       if (pins.empty())
         found[i].emplace(flow);
@@ -278,6 +323,35 @@ class Renderer {
     if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "stills", "stopped");
     for (std::size_t i = 0; i < tasks.size(); ++i)
       tasks[i].layer->flows.emplace(tasks[i].pair, std::move(*found[i]));
+  }
+
+  /// From the middle of the thing in the one still to that in the other, whole px of the flow.
+  static cv::Point way_of(const RegionLayer& layer, const Pair& pair, cv::Size flow) {
+    cv::Point2d middle[2];
+    for (int k = 0; k < 2; ++k) {
+      cv::Mat alpha;
+      cv::extractChannel(layer.front->alpha[k == 0 ? pair.first : pair.second](layer.box), alpha, 0);
+      const cv::Moments moments = cv::moments(alpha);
+      if (moments.m00 <= 0) return {};  // not seen in one of them: it fades where it is
+      middle[k] = {moments.m10 / moments.m00, moments.m01 / moments.m00};
+    }
+    const double scale = static_cast<double>(flow.width) / layer.box.width;
+    return {cvRound((middle[1].x - middle[0].x) * scale), cvRound((middle[1].y - middle[0].y) * scale)};
+  }
+
+  /// Flow beside the way that the thing as a whole went, to which it is added: a thing that leaps over its own
+  /// length goes once, and is not faded twice.
+  FlowPair flow_of_thing(const cv::Mat& from, const cv::Mat& to, cv::Point way) const {
+    constexpr auto kPerPx = static_cast<int>(1 / FlowPair::kUnit);
+    const auto moved = [](const cv::Mat& picture, cv::Point by, int border, const cv::Scalar& value) {
+      cv::Mat out;
+      cv::warpAffine(picture, out, cv::Matx23d(1, 0, by.x, 0, 1, by.y), picture.size(), cv::INTER_NEAREST,
+                     border, value);
+      return out;
+    };
+    const FlowPair beside = kept_.flow(from, moved(to, -way, cv::BORDER_CONSTANT, cv::Scalar::all(127)));
+    const cv::Scalar whole(kPerPx * way.x, kPerPx * way.y);
+    return {beside.forth + whole, moved(beside.back, way, cv::BORDER_REPLICATE, {}) - whole};
   }
 
   std::vector<FlowPin> pins_of(const RegionLayer& layer, const Pair& pair) const {
