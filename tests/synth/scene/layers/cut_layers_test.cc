@@ -89,6 +89,38 @@ TEST(CutLayers, ColoursOfARimAreTheLayersOwn) {
   EXPECT_LT(found, 0.4 * copied);
 }
 
+// Chuang et al. 2005, Sec. 5: transparency that moves along. A layer with leaves and gaps between them, before stripes:
+// what is seen through it must stay behind.
+TEST(CutLayers, WhatIsSeenThroughAGreyMatteStaysBehind) {
+  for (const bool solid : {true, false}) {
+    const cv::Size size(kWide, kHigh);
+    cv::Mat behind(size, CV_32FC3), alpha = made_disc(size, {60, 46}, 26, 4), leaves;
+    for (int x = 0; x < kWide; ++x)
+      behind.col(x).setTo(x / 10 % 2 == 0 ? cv::Scalar(.9, .6, .2) : cv::Scalar(.4, .2, .1));
+    // Leaves: here and there a pixel or two wholly theirs, else a third to a half.
+    cv::extractChannel(made_texture(size, {.5, .5, .5}, 1.0f, 8), leaves, 0);
+    leaves = cv::min(cv::max(leaves, .3), solid ? 1. : .6);
+    if (solid) leaves.setTo(1, leaves > .7);
+    alpha = alpha.mul(leaves);
+    const cv::Mat own = made_texture(size, {.1, .5, .2}, .1f, 3);
+    const cv::Mat picture = made_over(own, alpha, behind);
+    cv::Mat matte;
+    alpha.convertTo(matte, CV_8U, 255);
+    const std::vector<LayerMatte> mattes{{.name = "tree", .matte = matte, .kind = MatteKind::kAlpha},
+                                         {.name = "lake", .matte = {}, .kind = MatteKind::kRest}};
+    const std::vector<CutLayer> layers = cut_layers(picture, mattes);
+    const cv::Mat thin = (alpha > .25) & (alpha < .7);
+    ASSERT_GT(cv::countNonZero(thin), 300);
+    const double found = cv::norm(layers[0].colour, own, cv::NORM_L2, thin),
+                 copied = cv::norm(picture, own, cv::NORM_L2, thin);
+    const double filled = cv::norm(layers[1].colour, behind, cv::NORM_L2, thin),
+                 unfilled = cv::norm(picture, behind, cv::NORM_L2, thin);
+    EXPECT_LT(found, .2 * copied) << solid;
+    EXPECT_LT(filled, .2 * unfilled) << solid;
+    EXPECT_LT(cv::norm(composited(layers), picture, cv::NORM_INF), 1e-4);
+  }
+}
+
 TEST(CutLayers, AreTheSameForAnyNumberOfThreads) {
   const Made made = disc_before_lake();
   std::vector<CutLayer> one;
