@@ -93,12 +93,12 @@ class Printing {
 
 const std::vector<PrintedKey>& printed_keys() {
   static const std::vector<PrintedKey> keys{
-      {"wind", "gustiness", "0", "Sec. 3.2"},      {"tree", "plant", "\"tree\"", "Sec. 3.2"},
-      {"tree", "shimmer", "0", "Sec. 3.2"},        {"water", "mapping", "\"displacement\"", "Eq. 10"},
-      {"water", "against", "1", "Eq. 11"},         {"water", "edge", "\"moving\"", "Sec. 2"},
-      {"water", "mirrors", "false", "Sec. 5"},     {"boat", "in_3d", "false", "Sec. 3.4"},
-      {"boat", "reflection_of", "\"\"", "Sec. 5"}, {"clouds", "far_speed", "1", "Sec. 3.5"},
-      {"clouds", "shade", "0", "Sec. 5"}};
+      {"wind", "gustiness", "0", "Sec. 3.2"},   {"tree", "plant", "\"tree\"", "Sec. 3.2"},
+      {"tree", "shimmer", "0", "Sec. 3.2"},     {"water", "mapping", "\"displacement\"", "Eq. 10"},
+      {"water", "against", "1", "Eq. 11"},      {"water", "edge", "\"moving\"", "Sec. 2"},
+      {"water", "mirrors", "false", "Sec. 5"},  {"water", "calm", "0", "Sec. 5"},
+      {"boat", "in_3d", "false", "Sec. 3.4"},   {"boat", "reflection_of", "\"\"", "Sec. 5"},
+      {"clouds", "far_speed", "1", "Sec. 3.5"}, {"clouds", "shade", "0", "Sec. 5"}};
   return keys;
 }
 

@@ -58,6 +58,12 @@ const std::vector<Key<WaterMotion>>& keys_of<WaterMotion>() {
        "",
        "what lies on the water is lifted, or what is mirrored moves as the surface tilts",
        "normals where the water is seen nowhere more steeply than at 17 degrees, as most lakes are"},
+      {"calm",
+       &WaterMotion::calm,
+       {0, 0.2},
+       "",
+       "the still's own ripples are smoothed out before waves move it, along its columns, by so much of the "
+       "distance below the horizon; 0: they stay in it and move like all else, .03 to .08 take a lake's out"},
       {"mirrors",
        &WaterMotion::mirrors,
        {},

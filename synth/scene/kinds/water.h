@@ -34,7 +34,8 @@ struct WaterMotion {
   std::optional<double> amplitude{};
   double against = 0.3;                   // amplitude of waves against the wind, fractions; 1 as printed
   std::optional<WaterMapping> mapping{};  // nothing: by the angle at which the water is seen (mapping_seen)
-  bool mirrors = false;                   // what moves above the horizon, but boats, moves mirrored in it too
+  double calm = 0;  // how far the still's own ripples are smoothed out, of the distance below the horizon
+  bool mirrors = false;     // what moves above the horizon, but boats, moves mirrored in it too
   bool edge_moves = false;  // true: the matte moves with the water (the paper); else only what lies in it
   double focal_or_usual(cv::Size picture) const {
     return focal_px.value_or(1.2 * std::max(picture.width, picture.height));

@@ -36,6 +36,7 @@ struct LayerPixels {
 struct KeptSprites {
   struct Of {
     Outline outline = Outline::kMoves;
+    double calm = 0;  // of water
     Sprite sprite;
   };
   std::vector<Of> layers;  // empty: none is kept yet

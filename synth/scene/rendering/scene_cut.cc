@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kUnmoved = 2;  // px of a stripe behind what stays where it is: its soft rim
 constexpr double kSafety = 1.5;
-constexpr double kFurthest = 0.25;  // of the picture's width
+constexpr double kFurthestMoved = 0.25;  // of the picture's width
 constexpr double kWaves =
     0.015;  // of the picture's longer side: waves bring out what lies so far behind an edge
 
@@ -46,7 +46,7 @@ double uncovers(const Scene& scene, const SceneLayer& layer, cv::Size picture) {
     most += std::min(leans, TreeSway::kMostLean);
     furthest = std::max(furthest, kSafety * most * std::hypot(way.x, way.y));
   }
-  return std::min(furthest + 4 * tree->shimmer_px, kFurthest * picture.width);
+  return std::min(furthest + 4 * tree->shimmer_px, kFurthestMoved * picture.width);
 }
 
 /// How far what moves behind the layer at `at` comes out from behind it, px.
@@ -62,7 +62,7 @@ double comes_out(const Scene& scene, std::size_t at, cv::Size picture) {
         course_of(*clouds, scene.wind, cycle_of(scene), scene.loop, picture.width, picture.width);
     furthest = std::max(furthest, course.furthest_px(scene.frames, scene.fps) + kUnmoved);
   }
-  return std::min(furthest, kFurthest * picture.width);
+  return std::min(furthest, kFurthestMoved * picture.width);
 }
 
 cv::Mat read_trimap(const std::filesystem::path& path, cv::Size size) {

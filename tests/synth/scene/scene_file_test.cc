@@ -398,7 +398,7 @@ TEST(SceneFile, AsPrintedRefusesAnotherValueOfEachKeyThatItSets) {
   const std::map<std::string, std::string> others{
       {"gustiness", "0.5"},       {"plant", "\"grass\""}, {"shimmer", "0.5"},  {"mapping", "\"normals\""},
       {"against", "0.5"},         {"edge", "\"held\""},   {"mirrors", "true"}, {"in_3d", "true"},
-      {"reflection_of", "\"b\""}, {"far_speed", "0.5"},   {"shade", "0.5"}};
+      {"reflection_of", "\"b\""}, {"far_speed", "0.5"},   {"shade", "0.5"},    {"calm", "0.05"}};
   const auto fault = [](const std::string& text) {
     return fault_of([&] { parse_printed_scene(text, "folder/a.toml"); });
   };

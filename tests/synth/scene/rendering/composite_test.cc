@@ -211,7 +211,7 @@ TEST(SceneAnimation, KeptSpritesServeOtherWinds) {
     const auto text = [&](double speed) {
       const std::string made = made_scene_text(fmt::format("speed = {}", speed));
       return changed(changed(made, "loop = true", fmt::format("loop = {}", loop)), "amplitude = 6",
-                     "amplitude = 6\nmirrors = true");
+                     fmt::format("amplitude = 6\nmirrors = true\ncalm = {}", speed / 1000));
     };
     KeptSprites kept;
     const std::uint8_t* sky = nullptr;
