@@ -69,7 +69,7 @@ synth/flowlines/lines:
 synth/flowlines: media/frame vision synth/sampling synth/outline synth/flowlines/jumps synth/flowlines/lines
 synth/flowlines/files: store media/picture media/video hints stored synth/flowlines/lines synth/flowlines
 synth/stills/between: cache vision synth/sampling
-synth/stills: report cache media/frame media/picture hints synth/toml synth/matte synth/stills/between
+synth/stills: report cache media/frame media/picture hints synth/toml synth/outline synth/matte synth/stills/between
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/field synth/playing synth/transfer
 synth/scene/frames: media/frame media/picture media/video hints vision synth/sampling synth/scene synth/scene/rendering synth/transfer synth/transfer/files

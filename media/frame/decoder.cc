@@ -176,8 +176,7 @@ void Decoder::open_container() {
   // It opens decoders of its own.
   std::vector<AVDictionary*> limits(container->nb_streams);
   for (AVDictionary*& limit : limits) av_dict_set_int(&limit, "max_pixels", kMaxPixels, 0);
-  code =
-      picture_ ? 0 : observed(picture_, [&] { return avformat_find_stream_info(container, limits.data()); });
+  code = picture_ ? 0 : observed(false, [&] { return avformat_find_stream_info(container, limits.data()); });
   for (AVDictionary*& limit : limits) av_dict_free(&limit);
   if (code < 0) note(code);
   refuse_if_machine_failed(code);

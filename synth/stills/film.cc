@@ -40,7 +40,14 @@ std::vector<PlannedRegion> plan_fronts(StillSet& set, const FilmOptions& options
                                        std::vector<std::string>& notices, const Job& job) {
   std::vector<PlannedRegion> planned;
   std::vector<std::vector<cv::Mat>> all;
-  for (const FrontEdit& edit : options.fronts) all.push_back(front_mattes(edit.mattes, set));
+  for (const FrontEdit& edit : options.fronts) {
+    const auto same = [&](const FrontEdit& each) { return each.name == edit.name; };
+    if (edit.name == "*" || std::ranges::count_if(options.fronts, same) > 1)
+      throw Error(ErrorKind::kInput, "front " + edit.name,
+                  edit.name == "*" ? "this name means all regions" : "another thing in front has this name",
+                  "Give it another name");
+    all.push_back(front_mattes(edit.mattes, set));
+  }
   for (std::size_t k = 0; k < all.size(); ++k) {
     const FrontEdit& edit = options.fronts[k];
     const std::vector<cv::Mat>& mattes = all[k];
@@ -48,16 +55,16 @@ std::vector<PlannedRegion> plan_fronts(StillSet& set, const FilmOptions& options
     std::vector<cv::Mat> farther(mattes.size());
     for (std::size_t i = 0; i < mattes.size(); ++i) {
       farther[i] = cv::Mat(mattes[i].size(), CV_8U, cv::Scalar(0));
+      const cv::Mat replaced = replaced_share(mattes[i]);
       for (std::size_t other = k + 1; other < all.size(); ++other) {
         cv::max(farther[i], all[other][i], farther[i]);
-        cv::multiply(all[other][i], 255 - mattes[i], all[other][i], 1.0 / 255);
+        cv::multiply(all[other][i], 1 - replaced, all[other][i], 1, CV_8U);
       }
     }
     auto thing = std::make_shared<FrontThing>(part_stills(set.pictures, mattes, farther, edit.name, notices));
-    std::vector<cv::Mat> grey;
     for (std::size_t i = 0; i < mattes.size(); ++i)
-      grey.push_back(over_grey(thing->light[i], thing->alpha[i]));
-    grey = reduced(grey, kWorkSide);
+      thing->small.push_back(over_grey(thing->light[i], thing->alpha[i]));
+    const std::vector<cv::Mat>& grey = thing->small = reduced(thing->small, kWorkSide);
     Region region{.name = edit.name, .mask = cv::Mat(grey[0].size(), CV_8U, cv::Scalar(0)), .parent = {}};
     for (const cv::Mat& matte : mattes) {
       cv::Mat small;
@@ -144,10 +151,7 @@ Film plan_film(StillSet set, const FilmOptions& options, const Job& job) {
   const std::vector<Region> regions = choose_regions(options, film.stills, film.small, film.notices);
   PlanOptions behind = options.plan;
   for (const FrontEdit& edit : options.fronts) {
-    if (std::any_of(regions.begin(), regions.end(),
-                    [&](const Region& each) { return each.name == edit.name; }) ||
-        std::count_if(options.fronts.begin(), options.fronts.end(),
-                      [&](const FrontEdit& each) { return each.name == edit.name; }) > 1)
+    if (std::ranges::find(regions, edit.name, &Region::name) != regions.end())
       throw Error(ErrorKind::kInput, "front " + edit.name, "another region has this name",
                   "Give it another name");
     std::erase_if(behind.edits, [&](const RegionEdits& each) { return each.region == edit.name; });

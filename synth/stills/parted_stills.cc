@@ -9,10 +9,12 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/photo.hpp>
 
 #include "freshet/error.h"
+#include "media/frame/file_format.h"
 #include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
+#include "synth/outline/background.h"
 
 namespace freshet::synth::stills {
 namespace {
@@ -26,12 +28,14 @@ double unlikeness(const cv::Mat& a, const cv::Mat& b, const cv::Mat& hidden) {
   return norm / (static_cast<double>(hidden.total()) - cv::countNonZero(hidden));
 }
 
-/// How much of each pixel is replaced, CV_32F: 1 where the thing is, falling to 0 beside it.
-cv::Mat replaced_share(const cv::Mat& matte) {
-  cv::Mat away;
-  cv::distanceTransform(matte == 0, away, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
-  const cv::Mat share = 1 - away / (kFillPx + 1);
-  return cv::max(share, 0);
+/// What is seen in no still is made up from around it.
+void make_up(cv::Mat& fill, const cv::Mat& unseen) {
+  const double to_bytes = fill.depth() == CV_16U ? 1 / 257.0 : 1;
+  cv::Mat bytes;
+  fill.convertTo(bytes, CV_8U, to_bytes);
+  bytes = outline::inpaint_background(bytes, unseen, {.margin_px = 0});
+  bytes.convertTo(bytes, fill.depth(), 1 / to_bytes);
+  bytes.copyTo(fill, unseen);
 }
 
 template <class T>
@@ -50,14 +54,20 @@ void part_one(const cv::Mat& still, const cv::Mat& behind, const cv::Mat& matte,
 
 }  // namespace
 
+cv::Mat replaced_share(const cv::Mat& matte) {
+  cv::Mat away;
+  cv::distanceTransform(matte == 0, away, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
+  const cv::Mat share = 1 - away / (kFillPx + 1);
+  return cv::max(share, 0);
+}
+
 std::vector<cv::Mat> front_mattes(const std::filesystem::path& folder, const StillSet& set) {
-  std::error_code none;
-  std::vector<std::filesystem::path> files;
-  for (const auto& each : std::filesystem::directory_iterator(folder, none)) files.push_back(each.path());
-  if (none)
-    throw Error(ErrorKind::kInput, folder.string(), "this folder of mattes cannot be read: " + none.message(),
+  std::error_code fault;
+  if (!std::filesystem::is_directory(folder, fault))
+    throw Error(ErrorKind::kInput, folder.string(), fault ? fault.message() : "it is no folder",
                 "Give a folder with a grey picture for each still, of the still's name");
-  std::sort(files.begin(), files.end());
+  const std::vector<std::filesystem::path> files =
+      media::list_folder(folder, media::looks_like_picture).files;
   std::vector<cv::Mat> mattes(set.pictures.size());
   bool any = false;
   for (std::size_t i = 0; i < mattes.size(); ++i) {
@@ -95,7 +105,7 @@ FrontThing part_stills(std::vector<cv::Mat>& pictures, const std::vector<cv::Mat
   for (std::size_t i = 0; i < count; ++i) {
     share[i] = replaced_share(mattes[i]);
     hidden[i] = share[i] > 0;
-    useless[i] = farther.empty() ? hidden[i] : hidden[i] | (farther[i] > 0);
+    useless[i] = farther.empty() ? hidden[i] : hidden[i] | (replaced_share(farther[i]) > 0);
     cv::resize(hidden[i], small_hidden[i], small[i].size(), 0, 0, cv::INTER_AREA);
   }
   std::vector<cv::Mat> behind(count);
@@ -115,7 +125,7 @@ FrontThing part_stills(std::vector<cv::Mat>& pictures, const std::vector<cv::Mat
       left.setTo(0, shown);
     }
     unseen[i] = static_cast<double>(cv::countNonZero(left)) / std::max(1, cv::countNonZero(hidden[i]));
-    if (unseen[i] > 0) cv::inpaint(fill, left, fill, 5, cv::INPAINT_TELEA);
+    if (unseen[i] > 0) make_up(fill, left);
     cv::Mat mixed, share3, one, other;
     cv::merge(std::vector<cv::Mat>(3, share[i]), share3);
     pictures[i].convertTo(one, CV_32F);

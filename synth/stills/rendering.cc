@@ -35,6 +35,8 @@ constexpr std::size_t kMostKept = std::size_t{1} << 30;  // bytes of pictures th
 
 using Pair = std::pair<int, int>;  // of stills, the lower number first
 
+constexpr float kFarthest = 1000;  // px of the flow that FlowPair can say
+
 /// A region as it is rendered.
 struct RegionLayer {
   const PlannedRegion* planned = nullptr;
@@ -336,7 +338,12 @@ class Renderer {
       middle[k] = {moments.m10 / moments.m00, moments.m01 / moments.m00};
     }
     const double scale = static_cast<double>(flow.width) / layer.box.width;
-    return {cvRound((middle[1].x - middle[0].x) * scale), cvRound((middle[1].y - middle[0].y) * scale)};
+    const cv::Point2d way = (middle[1] - middle[0]) * scale;
+    if (std::max(std::abs(way.x), std::abs(way.y)) > kFarthest)
+      throw Error(ErrorKind::kInput, "front " + layer.planned->region.name,
+                  fmt::format("it goes {:.0f} px of the flow, more than {:.0f}", cv::norm(way), kFarthest),
+                  "Lower --flow-side");
+    return {cvRound(way.x), cvRound(way.y)};
   }
 
   /// Flow beside the way that the thing as a whole went, to which it is added: a thing that leaps over its own
@@ -370,7 +377,6 @@ class Renderer {
 }  // namespace
 
 std::vector<std::string> check_pins(const Plan& plan, cv::Size pictures, const RenderOptions& options) {
-  constexpr float kFarthest = 1000;  // px of the flow that FlowPair can say
   std::vector<std::string> notices;
   if (options.pins.empty()) return notices;
   const std::vector<RegionLayer> layers = layers_of(plan, pictures, options);

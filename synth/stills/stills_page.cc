@@ -212,7 +212,8 @@ std::string stills_page(const Plan& plan, const std::vector<cv::Mat>& small, con
         fmt::format("<video src=\"{}\" controls loop muted playsinline></video>\n", html_text(facts.video));
   if (!sheet.empty()) out += fmt::format("<p><img alt=\"Regions\" src=\"{}\"></p>\n", picture_address(sheet));
   for (std::size_t i = 0; i < plan.regions.size(); ++i)
-    out += RegionPart(plan.regions[i], i, small, facts).html();
+    out += RegionPart(plan.regions[i], i, plan.regions[i].front ? plan.regions[i].front->small : small, facts)
+               .html();
   return report::page_html(
       facts.title,
       report::filled(kTemplate, {{"counts", fmt::format("{} stills, {} moving regions, {:.2f} s",

@@ -48,8 +48,8 @@ constexpr double kTextureTravel_px = 36, kShownIntervals = 1.5, kSpread_px = 70;
 constexpr double kMaxTextureGain = 1.5;  // two copies that begin displaced agree in nothing: they lose 1.41
 constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
 // How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
-// clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From the first two on they go without shear,
-// from the others on with their light and colour.
+// clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From kWhole* on they go without shear, from
+// kBodies* on with their light and colour.
 constexpr double kWholeFrom_s = 0.7, kWholeSure_s = 1, kBodiesFrom_s = 0.9, kBodiesSure_s = 1.3;
 constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to another copy as a whole
 constexpr double kShareReach = 1;   // pieces: neighbours stand alike

@@ -15,10 +15,13 @@ namespace freshet::synth::animate {
 cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
                      const Placement& placement, cv::Size picture);
 
-/// A field as what goes whole goes: neighbouring patches of clips that went at other speeds, or elsewhere, would shear
-/// a cloud to hair before it is gone. Way and speed are means over the fluid around, of sigma .15 of the longer side;
-/// beside the fluid too.
-/// motion   CV_32FC2, px/s; matte: CV_32F, 0..1, of that size. share   0: as it is; 1: evened.
+/// A field that shears nothing that goes as a whole: neighbouring patches of clips that went at other speeds, or
+/// elsewhere, would comb a cloud to hair before it is gone.
+/// motion    CV_32FC2, px/s.
+/// matte     CV_32F, 0..1, of that size.
+/// share     0: the motion as it is; 1: way and speed are means over the fluid around, of sigma .15 of the longer side.
+/// Returns   CV_32FC2, px/s; beside the fluid evened too.
+/// Cost      some passes over the field, one thread.
 cv::Mat evened_motion(const cv::Mat& motion, const cv::Mat& matte, double share);
 
 /// The fastest that an animation is carried where a speed is asked, px/s: .8 of the picture's longer side a second. In

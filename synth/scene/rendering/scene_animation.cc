@@ -43,19 +43,19 @@ Sprite sprite_of(const Scene& scene, const SceneLayer& layer, const LayerPixels&
   const auto* clouds = layer.as<CloudMotion>();
   const auto* water = layer.as<WaterMotion>();
   const double calm = water != nullptr ? water->calm : 0;
-  const auto colour = [&] {
-    return calm > 0 ? calmed(pixels.colour, alpha, *water->horizon, calm) : pixels.colour;
-  };
+  const Line horizon = calm > 0 ? *water->horizon : Line{};
+  const auto colour = [&] { return calm > 0 ? calmed(pixels.colour, alpha, horizon, calm) : pixels.colour; };
   const Outline outline = outline_of(layer);
   const int width = box_of(alpha).width;
   const CloudCourse course = clouds ? course_in(scene, *clouds, box_of(alpha), alpha.size()) : CloudCourse{};
   int period = course.period_px;
   if (kept == nullptr) return make_sprite(colour(), alpha, outline, period);
   const bool fits = course.dissolves ? kept->sprite.period() >= period : kept->sprite.period() == period;
-  if (kept->sprite.texture.empty() || kept->outline != outline || kept->calm != calm || (clouds && !fits)) {
+  if (kept->sprite.texture.empty() || kept->outline != outline || kept->calm != calm ||
+      kept->horizon != horizon || (clouds && !fits)) {
     const int step = std::max(1, width / kMargins);
     if (course.dissolves) period = width + 2 + 2 * step * ((period - width - 2 + 2 * step - 1) / (2 * step));
-    *kept = {outline, calm, make_sprite(colour(), alpha, outline, period)};
+    *kept = {outline, calm, horizon, make_sprite(colour(), alpha, outline, period)};
   }
   Sprite sprite = kept->sprite;
   sprite.texture = sprite.texture.clone();  // a mirror is written into it

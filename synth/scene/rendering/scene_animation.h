@@ -37,6 +37,7 @@ struct KeptSprites {
   struct Of {
     Outline outline = Outline::kMoves;
     double calm = 0;  // of water
+    Line horizon{};   // of water that is calmed
     Sprite sprite;
   };
   std::vector<Of> layers;  // empty: none is kept yet

@@ -84,7 +84,7 @@ TEST_F(PartedLayers, AStillPutTogetherAgainIsItself) {
       for (int x = 0; x < 3 * together.cols; ++x)
         if (thing.alpha[i].ptr(y)[x] == 0) together.ptr(y)[x] = made.stills.pictures[i].ptr(y)[x];
     const cv::Mat still = cv::imread(folder_ / "stills" / name(i));
-    cv::Mat near, matte = cv::imread(folder_ / "ball" / name(i), cv::IMREAD_GRAYSCALE);
+    const cv::Mat matte = cv::imread(folder_ / "ball" / name(i), cv::IMREAD_GRAYSCALE);
     EXPECT_EQ(cv::norm(together, still, cv::NORM_INF, matte), 0) << i;
   }
 }
@@ -100,6 +100,25 @@ TEST_F(PartedLayers, ASoftRimCarriesNothingOfWhatLayBehind) {
   EXPECT_NEAR(thing.light[0].at<cv::Vec3b>(24, 24)[0], .502 * 40, 1.5);
   EXPECT_EQ(pictures[0].at<cv::Vec3b>(24, 24)[0], 200);
   EXPECT_TRUE(notices.empty());
+}
+
+TEST_F(PartedLayers, WhatIsSeenNowhereIsMadeUpOfStillsOfSixteenBitsToo) {
+  for (const int type : {CV_8UC3, CV_16UC3}) {
+    const double most = type == CV_8UC3 ? 255 : 65535;
+    std::vector<cv::Mat> pictures(2), mattes(2);
+    for (int i = 0; i < 2; ++i) {
+      pictures[i] = cv::Mat(64, 64, type, cv::Scalar::all(.8 * most));
+      mattes[i] = cv::Mat(64, 64, CV_8U, cv::Scalar(0));
+      mattes[i](cv::Rect(20 + i, 20, 9, 9)).setTo(255);
+      pictures[i].setTo(cv::Scalar::all(0), mattes[i]);
+    }
+    std::vector<std::string> notices;
+    part_stills(pictures, mattes, {}, "glass", notices);
+    EXPECT_EQ(notices.size(), 1u);
+    cv::Mat behind;
+    pictures[0].convertTo(behind, CV_32F, 1 / most);
+    EXPECT_LT(cv::norm(behind, cv::Mat(64, 64, CV_32FC3, cv::Scalar::all(.8)), cv::NORM_INF), .01) << type;
+  }
 }
 
 TEST_F(PartedLayers, AThingThatLeapsOverItsLengthIsThereOnceInEveryFrame) {
@@ -140,6 +159,8 @@ TEST_F(PartedLayers, FaultsAreNamed) {
   const auto fault = [&](const std::string& edits) { return fault_of([&] { film(edits); }); };
   EXPECT_NE(fault("[[front]]\nname = \"ball\"\nmattes = \"none\"\n").find("none"), std::string::npos);
   EXPECT_NE(fault("[[front]]\nname = \"1\"\nmattes = \"ball\"\n").find("another region"), std::string::npos);
+  EXPECT_NE(fault(front_ + front_).find("another thing"), std::string::npos);
+  EXPECT_NE(fault("[[front]]\nname = \"*\"\nmattes = \"ball\"\n").find("all regions"), std::string::npos);
   EXPECT_NE(fault(front_ + "[[region]]\nname = \"ball\"\nkind = \"slow\"\n").find("no kind"),
             std::string::npos);
   cv::imwrite(folder_ / "ball" / "a.png", cv::Mat(20, 20, CV_8U, cv::Scalar(255)));
