@@ -331,7 +331,7 @@ DeepPicture read_deep_picture(const fs::path& path) {
   return read;
 }
 
-Matte read_matte(const fs::path& path, cv::Size size) {
+Matte read_grey(const fs::path& path) {
   const Decoded decoded = decode(path);
   Matte matte;
   if (!decoded.alpha.empty()) {
@@ -340,8 +340,10 @@ Matte read_matte(const fs::path& path, cv::Size size) {
   } else {
     matte.alpha = grey_of(decoded, path, matte.notices);
   }
-  return fitted_matte(std::move(matte), size, path);
+  return matte;
 }
+
+Matte read_matte(const fs::path& path, cv::Size size) { return fitted_matte(read_grey(path), size, path); }
 
 Matte matte_of_alpha(const cv::Mat& alpha, const fs::path& path) {
   return fitted_matte({.alpha = alpha.clone(), .notices = {}}, alpha.size(), path);

@@ -38,6 +38,9 @@ struct Matte {
   cv::Mat alpha;
   std::vector<std::string> notices;
 };
+/// How much is fluid, as a file says it: its alpha where it is not opaque, else its grey; CV_8U of the file's size.
+/// Throws as read_picture, and Error{kInput} for a picture in colour.
+Matte read_grey(const std::filesystem::path& path);
 /// Reads a matte: CV_8U of `size`, 255 where the fluid is; values below 8 are 0, so that what is meant to be black
 /// leaves the picture as it is. The file's alpha where it is not opaque, else its grey; 16 bits are reduced to 8, and
 /// a matte of another size but the picture's shape is scaled: notices say so.

@@ -76,9 +76,7 @@ std::vector<cv::Mat> front_mattes(const std::filesystem::path& folder, const Sti
     const auto file =
         std::find_if(files.begin(), files.end(), [&](const auto& each) { return each.stem() == stem; });
     if (file == files.end()) continue;
-    const media::Still read = media::read_still(*file);
-    cv::Mat matte = read.alpha;
-    if (matte.empty()) cv::cvtColor(read.bgr, matte, cv::COLOR_BGR2GRAY);
+    const cv::Mat matte = media::read_grey(*file).alpha;
     if (matte.size() != set.file_size)
       throw Error(ErrorKind::kInput, file->string(),
                   fmt::format("it is {} x {} px, the stills are {} x {}", matte.cols, matte.rows,

@@ -22,7 +22,8 @@ struct FrontThing {
 /// The matte of each still, CV_8U as its picture lies; all 0 where the folder has none of its name: the thing is not
 /// seen there.
 /// folder   of pictures named as the stills are, but for the ending: white, or opaque, where the thing is.
-/// Throws   Error{kInput} naming file, fault and remedy: unreadable, of another size than the stills, none for any.
+/// Throws   Error{kInput} naming file, fault and remedy: unreadable, in colour, of another size than the stills, none
+///          for any.
 std::vector<cv::Mat> front_mattes(const std::filesystem::path& folder, const StillSet& set);
 
 /// How much of each pixel is replaced where a thing is taken out, CV_32F: 1 where it is, falling to 0 four px beside

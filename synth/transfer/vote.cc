@@ -9,8 +9,6 @@
 namespace freshet::synth::transfer {
 namespace {
 
-constexpr float kFloor = 25.0f * (2.0f / 255) * (2.0f / 255);
-
 // Pixels of a row from the patches centred in one row, dy above or below it.
 FRESHET_WIDE
 void add_row(const PixelGrid& source, const std::int32_t* from, const float* weights, int dy, int half,
@@ -30,6 +28,10 @@ void add_row(const PixelGrid& source, const std::int32_t* from, const float* wei
 
 }  // namespace
 
+float vote_weight(float distance, double power) {
+  return pow_portable(distance + kVoteFloor, static_cast<float>(-power));
+}
+
 void vote(const PixelGrid& source, const NearestField& field, int patch, double power, PixelGrid& into) {
   const int width = field.target_width, height = field.target_height, half = patch / 2;
   Grid weights(width, height);
@@ -37,8 +39,7 @@ void vote(const PixelGrid& source, const NearestField& field, int patch, double 
     for (int x = 0; x < width; ++x) {
       const std::size_t at =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-      if (field.source[at] >= 0)
-        weights(x, y) = pow_portable(field.distance[at] + kFloor, static_cast<float>(-power));
+      if (field.source[at] >= 0) weights(x, y) = vote_weight(field.distance[at], power);
     }
   });
   oneapi::tbb::parallel_for(

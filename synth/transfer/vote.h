@@ -6,8 +6,13 @@
 
 namespace freshet::synth::transfer {
 
-/// Each pixel becomes the mean of what the patches over it say, weighed by (D + 25 (2 / 255)^2)^-power. The
-/// floor under D keeps a perfect patch from speaking alone. Pixels that no patch covers are left as they are.
+/// The floor under a patch's distance keeps a perfect one from speaking alone.
+inline constexpr float kVoteFloor = 25.0f * (2.0f / 255) * (2.0f / 255);
+/// What a patch at this distance counts: (D + kVoteFloor)^-power.
+float vote_weight(float distance, double power);
+
+/// Each pixel becomes the mean of what the patches over it say, by their vote_weight. Pixels that no patch covers are
+/// left as they are.
 ///
 /// source  the exemplar's colours, of field's source size.
 /// into    of its target size.

@@ -6,8 +6,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "bench/transfer/rivals/votes.h"
 #include "synth/transfer/patch_match.h"
+#include "synth/transfer/vote.h"
 
 namespace freshet::bench {
 namespace {

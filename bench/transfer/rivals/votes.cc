@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "synth/field/portable_math.h"
+#include "synth/transfer/vote.h"
 
 namespace freshet::bench {
 namespace {
@@ -33,10 +34,6 @@ void add(Pixel& to, const Pixel& pixel, float weight) {
 }
 
 }  // namespace
-
-float vote_weight(float distance, double power) {
-  return synth::pow_portable(distance + kVoteFloor, static_cast<float>(-power));
-}
 
 void vote_discrete(const PixelGrid& source, const NearestField& field, int patch, double power,
                    PixelGrid& into) {

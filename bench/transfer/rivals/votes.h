@@ -9,10 +9,6 @@
 
 namespace freshet::bench {
 
-/// A patch at distance D counts as (D + kVoteFloor)^-power, as in synth::transfer::vote.
-inline constexpr float kVoteFloor = 25.0f * (2.0f / 255) * (2.0f / 255);
-float vote_weight(float distance, double power);
-
 /// Each pixel becomes that one of the exemplar's pixels which the patches over it propose that is nearest to the
 /// weighted mean of all of them.
 ///

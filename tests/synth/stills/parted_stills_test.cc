@@ -163,6 +163,7 @@ TEST_F(PartedLayers, FaultsAreNamed) {
   EXPECT_NE(fault("[[front]]\nname = \"*\"\nmattes = \"ball\"\n").find("all regions"), std::string::npos);
   EXPECT_NE(fault(front_ + "[[region]]\nname = \"ball\"\nkind = \"slow\"\n").find("no kind"),
             std::string::npos);
+  EXPECT_NE(fault("[[front]]\nname = \"ball\"\nmattes = \"stills\"\n").find("in colour"), std::string::npos);
   cv::imwrite(folder_ / "ball" / "a.png", cv::Mat(20, 20, CV_8U, cv::Scalar(255)));
   EXPECT_NE(fault(front_).find("20 x 20"), std::string::npos);
 }

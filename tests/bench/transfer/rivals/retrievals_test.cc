@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/transfer/rivals/votes.h"
+#include "synth/transfer/vote.h"
 #include "tests/synth/transfer/made_pictures.h"
 
 namespace freshet::bench {
