@@ -17,12 +17,32 @@ namespace freshet::synth::sampling {
   return size - std::abs(size - (from - 2 * size * turns)) - 0.5f;
 }
 
-/// Where what is carried from `at` to `own` is found in a plane of `size` samples that goes on mirrored beyond its
-/// sides, without the outermost hundredth: a picture's rim is often of its frame, and would be seen twice where the
-/// fluid comes in.
-[[gnu::always_inline]] inline float carried_from(float at, float own, float size) {
-  const float away = std::abs(at - own), rim = away < size / 100 ? away : size / 100;
-  return mirrored(at - rim, size - 2 * rim) + rim;
+/// Where a picture lies along a plane of `size` samples: [first, end).
+struct Span {
+  float first, end, size;
+};
+
+/// Of a length: a picture's rim, often of its frame, which would be seen twice where the fluid comes in.
+inline constexpr int kRims = 50;
+
+/// Of what is carried over a side of the picture, how much of its end is left out: its rim.
+[[gnu::always_inline]] inline float rim_left_out(float at, float own, const Span& picture) {
+  const float away = std::abs(at - own), most = (picture.end - picture.first) / kRims;
+  return away < most ? away : most;
+}
+
+/// How far beyond the picture or within its rim what is carried from `at` to `own` lies: < 0 before it, > 0 after it.
+[[gnu::always_inline]] inline float beyond(float at, float own, const Span& picture) {
+  const float rim = rim_left_out(at, own, picture);
+  const float before = at - (picture.first + rim - 0.5f), after = at - (picture.end - rim - 0.5f);
+  return (before < 0 ? before : 0.0f) + (after > 0 ? after : 0.0f);
+}
+
+/// Where it is found in a plane in which the picture goes on beyond its sides, and which itself goes on mirrored. The
+/// rim is left out once on either side of the border: to a plane that ends there it is mirrored.
+[[gnu::always_inline]] inline float carried_from(float at, float own, const Span& picture) {
+  const float over = beyond(at, own, picture), rim = 2 * rim_left_out(at, own, picture);
+  return mirrored(at + (over < 0 ? -rim : over > 0 ? rim : 0.0f), picture.size);
 }
 
 /// What cv::remap (INTER_LINEAR, BORDER_REPLICATE) reads of a plane, to the bit: places are rounded to 1/32 sample.

@@ -18,6 +18,7 @@
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
 #include "synth/animate/placement/piece_values.h"
+#include "synth/animate/still/continued.h"
 #include "synth/animate/still/fluid_planes.h"
 #include "synth/animate/still/layout_share.h"
 #include "synth/animate/still/standing_colour.h"
@@ -272,7 +273,9 @@ class CarriedRenderer final : public Renderer {
     const double scale = animation_.placement.piece_scale;
     Exposure exposure = expose(animation_, still_, options_.base);
     exposure_ = exposure.luma;
-    base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale));
+    // What goes whole comes in and goes out whole.
+    const Sides sides = bodies_ > 0 ? crossed_sides(carried_motion_, still_.alpha) : Sides{};
+    base_.emplace(continued(planes, still_.alpha, sides), enlarged(options_.carry, scale));
     // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
     const double wander_s =
         std::clamp(kMaxWander_px * scale / (fastest() * frames.fps), kMinWander_s, kMaxWander_s);
@@ -296,7 +299,8 @@ class CarriedRenderer final : public Renderer {
     std::vector<double> shares = measured_shares_;
     shares.pop_back();
     layout_.emplace(planes, still_.alpha, motion, shares);
-    texture_base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale), layout_->texture());
+    texture_base_.emplace(continued(planes, still_.alpha, {}), enlarged(options_.carry, scale),
+                          layout_->texture());
     texture_copies_.emplace([field = field_](int i) { return field->at(i); }, texture_base_->places(),
                             field_->step(), copies,
                             CopyStarts{.direction = motion.direction,
@@ -320,7 +324,7 @@ class CarriedRenderer final : public Renderer {
   /// px a frame.
   float fastest() const {
     cv::Mat deep;
-    cv::extractChannel(base_ ? base_->places() : texture_base_->places(), deep, 0);
+    cv::extractChannel((base_ ? base_ : texture_base_)->places().own(), deep, 0);
     return speed_per_frame(*field_, deep, kFast);
   }
 

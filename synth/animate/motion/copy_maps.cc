@@ -33,7 +33,7 @@ constexpr float kUneven = 0.03f;  // what such a copy still counts: more than on
 constexpr double kEvenOver = 2;   // sigma, samples
 constexpr float kLeast = 1e-6f;   // so that some copy shows everywhere
 constexpr float kShallow = 1e-3f;
-// Of what comes from beyond the picture's sides, mirrored, from so many samples on: a copy that need not guess shows.
+// Of what comes from beyond the picture's sides, from so many samples on: a copy that need not guess shows.
 constexpr float kGuessed = 0.04f, kGuessedFrom = 4;
 constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
 constexpr int kKeptEvery = 16;                             // frames
@@ -76,20 +76,24 @@ cv::Mat step_on(const cv::Mat& sources, const cv::Mat& velocity, float sign, int
   return out;
 }
 
-/// Places of row y as they are read of a picture that goes on mirrored beyond its sides, and how far they are of the
-/// picture.
-FRESHET_WIDE void mirror_row(const float* from, float y, float width, float height, int n, float* within,
-                             float* known) {
+/// Places of row y of the picture as they are read of it and beyond its sides, and how far they are of the picture.
+FRESHET_WIDE void find_row(const float* from, float y, const sampling::Span& across,
+                           const sampling::Span& down, int n, float* within, float* known) {
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
-    const float to_x = sampling::carried_from(from[2 * i], static_cast<float>(i), width),
-                to_y = sampling::carried_from(from[2 * i + 1], y, height);
-    // The way over a side and back is twice that to it.
-    const float over = (std::abs(from[2 * i] - to_x) + std::abs(from[2 * i + 1] - to_y)) / (2 * kGuessedFrom);
+    const float own_x = across.first + static_cast<float>(i), own_y = down.first + y;
+    const float x = across.first + from[2 * i], y_from = down.first + from[2 * i + 1];
+    const float over =
+        (std::abs(sampling::beyond(x, own_x, across)) + std::abs(sampling::beyond(y_from, own_y, down))) /
+        kGuessedFrom;
     known[i] = 1 + (over < 1 ? over : 1.0f) * (kGuessed - 1);
-    within[2 * i] = to_x;
-    within[2 * i + 1] = to_y;
+    within[2 * i] = sampling::carried_from(x, own_x, across);
+    within[2 * i + 1] = sampling::carried_from(y_from, own_y, down);
   }
+}
+
+sampling::Span span(int first, int length, int size) {
+  return {static_cast<float>(first), static_cast<float>(first + length), static_cast<float>(size)};
 }
 
 /// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it. `whole` itself is one.
@@ -195,10 +199,11 @@ int CopyMaps::interval_of(double half_life_s, double fps, int loop_frames) {
   return loop_frames > 0 ? nearest_divisor(loop_frames, interval) : interval;
 }
 
-CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& places, int step,
+CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const CopyPlaces& places, int step,
                    const CopyOptions& options, std::optional<CopyStarts> starts)
     : displacement_(std::move(displacement)),
-      places_(places),
+      everywhere_(places),
+      places_(places.own()),
       step_(step),
       options_(options),
       starts_(std::move(starts)),
@@ -332,10 +337,13 @@ cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv:
   constexpr float kNothing = 14;  // of unlikeness, halved: exp(-14) is less than kLeast
   cv::Mat even = evenness(source, step_), brought, fits, out(places_.size(), CV_32F),
           within(from.size(), CV_32FC2), known(from.size(), CV_32F);
+  const cv::Mat& all = everywhere_.all;
+  const cv::Rect& own = everywhere_.picture;
+  const sampling::Span across = span(own.x, own.width, all.cols), down = span(own.y, own.height, all.rows);
   for (int y = 0; y < from.rows; ++y)
-    mirror_row(from.ptr<float>(y), static_cast<float>(y), static_cast<float>(from.cols),
-               static_cast<float>(from.rows), from.cols, within.ptr<float>(y), known.ptr<float>(y));
-  sampling::read_remapped(places_, within, brought);
+    find_row(from.ptr<float>(y), static_cast<float>(y), across, down, from.cols, within.ptr<float>(y),
+             known.ptr<float>(y));
+  sampling::read_remapped(all, within, brought);
   if (!copy.fits.empty()) sampling::read_remapped(copy.fits, within, fits);
   cv::GaussianBlur(even, even, {}, kEvenOver, kEvenOver, cv::BORDER_REPLICATE);
   std::vector<float> deep(out.cols), unlike(out.cols);

@@ -18,6 +18,15 @@ struct CopyMap {
   cv::Mat source;  // CV_32FC2: from a place to where the copy has it from, px
 };
 
+/// The places that copies bring, of the picture and of what lies beyond its sides.
+struct CopyPlaces {
+  /// CV_32FC4, sampled as the field: how deep in the fluid a place lies, 0 (outside) .. 1, and the look of its
+  /// surroundings: luma, blue and red less luma.
+  cv::Mat all;
+  cv::Rect picture;  // samples of it that are the picture's
+  cv::Mat own() const { return all(picture); }
+};
+
 struct CopyOptions {
   /// Frames from a copy to the next, >= 1: for about as long each place shows one copy, before it goes over to
   /// another (CopyMaps::interval_of).
@@ -62,14 +71,12 @@ struct CopyStarts {
 /// ways in time, each part in its own time. Not in Okabe et al. 2011.
 class CopyMaps {
  public:
-  /// displacement  from output frame i to the next, any i: px of the picture, CV_32FC2 of the size of `places`,
-  ///               sampled every `step` px (CarryingField::at). Called from many threads.
-  /// places        CV_32FC4, sampled as that: how deep in the fluid a place of the picture lies, 0 (outside) .. 1, and
-  ///               the look of its surroundings: luma, blue and red less luma. A copy that would bring rock, what
-  ///               lies beyond the picture (which goes on mirrored there) or what looks unlike the place leaves it to
-  ///               the others, and so does one whose forms the motion has drawn out or squeezed there: foam stays
-  ///               where water breaks, a pool at the foot of its fall, and a fall is no haze.
-  CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& fluid, int step,
+  /// displacement  from output frame i to the next, any i: px of the picture, CV_32FC2 of the picture's samples in
+  ///               `places`, every `step` px (CarryingField::at). Called from many threads.
+  /// places        A copy that would bring rock, what lies beyond the picture (which is guessed) or what looks unlike
+  ///               the place leaves it to the others, and so does one whose forms the motion has drawn out or squeezed
+  ///               there: foam stays where water breaks, a pool at the foot of its fall, and a fall is no haze.
+  CopyMaps(std::function<cv::Mat(int)> displacement, const CopyPlaces& places, int step,
            const CopyOptions& options, std::optional<CopyStarts> starts = std::nullopt);
 
   /// Makes what at() needs of output frames [first, first + count), and forgets what lies before. In ascending
@@ -107,7 +114,8 @@ class CopyMaps {
   cv::Mat timeliness(const Copy& copy, const cv::Mat& from, int age) const;
 
   std::function<cv::Mat(int)> displacement_;
-  cv::Mat places_;
+  CopyPlaces everywhere_;
+  cv::Mat places_;  // the picture's
   int step_ = 1;
   CopyOptions options_;
   std::optional<CopyStarts> starts_;

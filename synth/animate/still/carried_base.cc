@@ -34,29 +34,42 @@ FRESHET_WIDE void mix_rows(const float* upper, const float* lower, float down, i
   for (int i = 0; i < n; ++i) out[i] = upper[i] + down * (lower[i] - upper[i]);
 }
 
-// Sources of a row's places, in steps (cubic.h). Beyond a side of `limit` samples the picture goes on mirrored.
-FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const float* fraction, int origin,
-                          int step, int limit, int n, std::int32_t* out) {
-  const int begin = first[0];
-#pragma GCC ivdep
-  for (int i = 0; i < n; ++i) {
-    const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
-    const auto own = static_cast<float>(origin + step * i);
-    const float inside =
-        sampling::carried_from(own + (a + fraction[i] * (b - a)), own, static_cast<float>(limit));
-    out[i] = static_cast<std::int32_t>(inside * sampling::kCubicSteps + (2 * sampling::kCubicSteps + 0.5f)) -
-             2 * sampling::kCubicSteps;
+// Values of a map at a row's places, from one sample before the first: four between each two.
+FRESHET_WIDE void values(const float* mixed, int n, float* out) {
+  static_assert(CarriedBase::kStep == 4);
+  for (int k = 0; 4 * k < n; ++k) {
+    const float before = mixed[k + 1] - mixed[k], after = mixed[k + 2] - mixed[k + 1];
+    out[4 * k] = mixed[k] + 0.625f * before;
+    out[4 * k + 1] = mixed[k] + 0.875f * before;
+    out[4 * k + 2] = mixed[k + 1] + 0.125f * after;
+    out[4 * k + 3] = mixed[k + 1] + 0.375f * after;
   }
 }
 
-// Values of a row's places.
-FRESHET_WIDE void values(const float* mixed, const std::int32_t* first, const float* fraction, int n,
-                         float* out) {
-  const int begin = first[0];
+[[gnu::always_inline]] inline std::int32_t steps_of(float at) {
+  return static_cast<std::int32_t>(at * sampling::kCubicSteps + (2 * sampling::kCubicSteps + 0.5f)) -
+         2 * sampling::kCubicSteps;
+}
+
+// Sources of a row's places, in steps (cubic.h) of the planes: `away` from their own, origin + step i.
+FRESHET_WIDE void sources(const float* away, int origin, int step, const sampling::Span& picture, int n,
+                          std::int32_t* out) {
+  float least = away[0], most = away[0];
+  for (int i = 1; i < n; ++i) {
+    least = away[i] < least ? away[i] : least;
+    most = away[i] > most ? away[i] : most;
+  }
+  const float rim = (picture.end - picture.first) / sampling::kRims;
+  if (static_cast<float>(origin) + least >= picture.first + rim &&
+      static_cast<float>(origin + step * (n - 1)) + most < picture.end - rim - 1) {
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) out[i] = steps_of(static_cast<float>(origin + step * i) + away[i]);
+    return;
+  }
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
-    const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
-    out[i] = a + fraction[i] * (b - a);
+    const auto own = static_cast<float>(origin + step * i);
+    out[i] = steps_of(sampling::carried_from(own + away[i], own, picture));
   }
 }
 
@@ -155,15 +168,18 @@ struct CarriedBase::Scratch {
   std::array<float, kCellArea> luma, weight, share, half_share, sum, mass;
   std::array<float, kCellArea> most, half_most;      // weight that counts
   alignas(16) std::array<float, kCellArea> colours;  // fours, of a quarter as many places
-  std::array<float, 32> mixed;
+  std::array<float, 32> mixed, away;
 };
 
-CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const CarriedBaseOptions& options,
+CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& options,
                          const cv::Mat& texture)
     : fraction_(static_cast<float>(options.fraction)),
       carries_colour_(texture.empty()),
-      size_(matte.size()),
+      picture_(fluid.picture),
+      size_(picture_.size()),
       half_((size_.width + 1) / 2, (size_.height + 1) / 2) {
+  const FluidPlanes& planes = fluid.planes;
+  const cv::Mat& matte = fluid.matte;
   // Copies fade towards the matte's edge: carried on, it would go through the fluid as a line. At the picture's the
   // fluid goes on.
   cv::Mat depth;
@@ -177,7 +193,7 @@ CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const 
     const cv::Rect around =
         cv::Rect(cell.x - 2, cell.y - 2, cell.width + 4, cell.height + 4) & cv::Rect({}, size_);
     double maximum = 0;
-    cv::minMaxLoc(weight(around), nullptr, &maximum);
+    cv::minMaxLoc(weight(around + picture_.tl()), nullptr, &maximum);
     if (maximum > 0) cells_.push_back(cell);
   }
 
@@ -190,21 +206,24 @@ CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const 
   cv::merge(
       std::vector<cv::Mat>{with_margin(carries_colour_ ? plane[0] : texture, 0), with_margin(weight, 0)},
       fluid_);
-  const auto halved = [this](const cv::Mat& of) {
+  const auto halved = [](const cv::Mat& of) {
     // Odd sizes end in half a sample: the edge goes on.
     cv::Mat even, out;
-    cv::copyMakeBorder(of, even, 0, 2 * half_.height - size_.height, 0, 2 * half_.width - size_.width,
-                       cv::BORDER_REPLICATE);
-    cv::resize(even, out, half_, 0, 0, cv::INTER_AREA);
+    cv::copyMakeBorder(of, even, 0, of.rows % 2, 0, of.cols % 2, cv::BORDER_REPLICATE);
+    cv::resize(even, out, {even.cols / 2, even.rows / 2}, 0, 0, cv::INTER_AREA);
     return out;
   };
-  own_ = halved(weight);
-  const cv::Mat none = cv::Mat::zeros(half_, CV_32F);
+  const cv::Mat half_weight = halved(weight);
+  own_ = half_weight(cv::Rect(picture_.tl() / 2, half_));
+  const cv::Mat none = cv::Mat::zeros(half_weight.size(), CV_32F);
   cv::merge(std::vector<cv::Mat>{with_margin(halved(plane[1]), 1), with_margin(halved(plane[2]), 1),
-                                 with_margin(own_, 1), with_margin(none, 1)},
+                                 with_margin(half_weight, 1), with_margin(none, 1)},
             colour_);
 
-  const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
+  const auto sampled = [](cv::Size of) {
+    return cv::Size((of.width + kStep - 1) / kStep, (of.height + kStep - 1) / kStep);
+  };
+  const cv::Size coarse = sampled(matte.size());
   std::array<cv::Mat, 4> place;
   // Thin smoke is as good as dense one: what counts is how far the edge is.
   const cv::Mat deep = planes.trusted.mul(cv::min(depth / kDeep, 1.0));
@@ -214,17 +233,13 @@ CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const 
     cv::GaussianBlur(place[k + 1], place[k + 1], {}, options.look_px / kStep, options.look_px / kStep,
                      cv::BORDER_REPLICATE);
   }
-  cv::merge(place.data(), place.size(), places_);
-  const auto lay_out = [](int n, int samples, std::vector<std::int32_t>& first,
-                          std::vector<float>& fraction) {
-    for (int i = 0; i < n; ++i) {
-      const double at = std::clamp((i + 0.5) / kStep - 0.5, 0.0, samples - 1.0);
-      first.push_back(static_cast<std::int32_t>(at));
-      fraction.push_back(static_cast<float>(at - std::floor(at)));
-    }
-  };
-  lay_out(size_.width, coarse.width, map_x_, fraction_x_);
-  lay_out(size_.height, coarse.height, map_y_, fraction_y_);
+  cv::merge(place.data(), place.size(), places_.all);
+  places_.picture = cv::Rect(picture_.tl() / kStep, sampled(size_));
+  for (int y = 0; y < size_.height; ++y) {
+    const double at = std::clamp((y + 0.5) / kStep - 0.5, 0.0, places_.picture.height - 1.0);
+    map_y_.push_back(static_cast<std::int32_t>(at));
+    fraction_y_.push_back(static_cast<float>(at - std::floor(at)));
+  }
 }
 
 CarriedFrame CarriedBase::frame(std::span<const CopyMap> copies) const {
@@ -245,7 +260,8 @@ CarriedFrame CarriedBase::frame(std::span<const CopyMap> copies) const {
 
 void CarriedBase::limit_weights(const cv::Rect& cell, const cv::Rect& half, Scratch& s) const {
   for (int row = 0; row < cell.height; ++row) {
-    const auto* own = fluid_.ptr<cv::Vec2f>(cell.y + row + kMargin) + cell.x + kMargin;
+    const auto* own =
+        fluid_.ptr<cv::Vec2f>(picture_.y + cell.y + row + kMargin) + picture_.x + cell.x + kMargin;
     for (int x = 0; x < cell.width; ++x) s.most[row * cell.width + x] = kDeeper * own[x][1];
   }
   for (int row = 0; row < half.height; ++row) {
@@ -261,30 +277,35 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
   s.mass.fill(0);
   s.colours.fill(0);
   limit_weights(cell, half, s);
+  const auto span = [](int first, int length, int size) {
+    return sampling::Span{static_cast<float>(first), static_cast<float>(first + length),
+                          static_cast<float>(size)};
+  };
+  const sampling::Span across = span(picture_.x, size_.width, fluid_.cols - 2 * kMargin),
+                       down = span(picture_.y, size_.height, fluid_.rows - 2 * kMargin);
   for (const Copy& copy : copies) {
     // Where each place of the cell comes from, and how far it shows.
-    const std::int32_t* first = map_x_.data() + cell.x;
-    const int columns = copy.u.cols, samples = std::min(first[cell.width - 1] + 2, columns) - first[0];
+    const int before = cell.x / kStep - 1, left = std::max(before, 0),
+              samples = std::min(before + (cell.width + kStep - 1) / kStep + 2, copy.u.cols) - left;
     double most = 0;
     const int top = map_y_[cell.y], bottom = std::min(map_y_[cell.y + cell.height - 1] + 2, copy.u.rows);
-    cv::minMaxLoc(copy.weight(cv::Rect(first[0], top, samples, bottom - top)), nullptr, &most);
+    cv::minMaxLoc(copy.weight(cv::Rect(left, top, samples, bottom - top)), nullptr, &most);
     if (most < kMinShare) continue;
     for (int row = 0; row < cell.height; ++row) {
       const int y0 = map_y_[cell.y + row], y1 = std::min(y0 + 1, copy.u.rows - 1);
-      const float down = fraction_y_[cell.y + row];
-      const auto mix = [&](const cv::Mat& map) {
-        mix_rows(map.ptr<float>(y0) + first[0], map.ptr<float>(y1) + first[0], down, samples, s.mixed.data());
-        s.mixed[samples] = s.mixed[samples - 1];
+      const float below = fraction_y_[cell.y + row];
+      const auto read = [&](const cv::Mat& map, float* to) {
+        float* mixed = s.mixed.data() + (left - before);
+        mix_rows(map.ptr<float>(y0) + left, map.ptr<float>(y1) + left, below, samples, mixed);
+        if (left > before) s.mixed[0] = mixed[0];
+        mixed[samples] = mixed[samples - 1];
+        values(s.mixed.data(), cell.width, to);
       };
-      const auto read = [&](const cv::Mat& map, int origin, int step, int limit, std::int32_t* to) {
-        mix(map);
-        sources(s.mixed.data(), first, fraction_x_.data() + cell.x, origin, step, limit, cell.width, to);
-      };
-      read(copy.u, cell.x, 1, size_.width, s.x.data() + row * cell.width);
-      read(copy.v, cell.y + row, 0, size_.height, s.y.data() + row * cell.width);
-      mix(copy.weight);
-      values(s.mixed.data(), first, fraction_x_.data() + cell.x, cell.width,
-             s.share.data() + row * cell.width);
+      read(copy.u, s.away.data());
+      sources(s.away.data(), picture_.x + cell.x, 1, across, cell.width, s.x.data() + row * cell.width);
+      read(copy.v, s.away.data());
+      sources(s.away.data(), picture_.y + cell.y + row, 0, down, cell.width, s.y.data() + row * cell.width);
+      read(copy.weight, s.share.data() + row * cell.width);
     }
     const auto margin = static_cast<std::ptrdiff_t>(kMargin);
     const auto stride = static_cast<std::ptrdiff_t>(fluid_.cols);

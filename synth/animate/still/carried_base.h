@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "synth/animate/motion/copy_maps.h"
-#include "synth/animate/still/fluid_planes.h"
+#include "synth/animate/still/continued.h"
 
 namespace freshet::synth::animate {
 
@@ -36,19 +36,18 @@ struct CarriedFrame {
 /// bring what is not, another copy or the long exposure shows.
 class CarriedBase {
  public:
-  /// planes    of the picture (fluid_planes); matte as they were made with.
-  /// texture   CV_32F: carried in place of the picture's luma, without colour (StandingLayout::texture); empty: the
-  ///           picture is carried.
+  /// fluid     the picture's, which may go on beyond its sides (continued.h).
+  /// texture   CV_32F, of its size: carried in place of the picture's luma, without colour (StandingLayout::texture);
+  ///           empty: the picture is carried.
   /// Memory    some 30 bytes a pixel.
-  CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const CarriedBaseOptions& options,
-              const cv::Mat& texture = {});
+  CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& options, const cv::Mat& texture = {});
 
   /// What the copies bring, sampled every 4 px. Safe from many threads; no scratch to speak of.
   CarriedFrame frame(std::span<const CopyMap> copies) const;
   /// px of the picture between samples of the copies' maps.
   static constexpr int kStep = 4;
-  /// Each sample's place as CopyMaps takes it: CV_32FC4.
-  const cv::Mat& places() const { return places_; }
+  /// Each sample's place as CopyMaps takes them.
+  const CopyPlaces& places() const { return places_; }
 
  private:
   struct Scratch;
@@ -62,13 +61,14 @@ class CarriedBase {
   // half its width and height as fours of blue - luma, red - luma, weight and 0; each with a margin. Beyond
   // the matte the fluid's own values go on: what a copy brings from there counts little, and it is not rock.
   cv::Mat fluid_, colour_;  // CV_32FC2, CV_32FC4
-  cv::Mat places_;
-  cv::Mat own_;  // CV_32F, at half: the place's own weight
+  CopyPlaces places_;
+  cv::Mat own_;  // CV_32F, at half, of the picture: the place's own weight
   float fraction_ = 1;
   bool carries_colour_ = true;
-  std::vector<cv::Rect> cells_;                 // px, where anything is carried
-  std::vector<std::int32_t> map_x_, map_y_;     // by column, row: the sample of a map before it
-  std::vector<float> fraction_x_, fraction_y_;  // of the one after that
+  std::vector<cv::Rect> cells_;      // px, where anything is carried
+  std::vector<std::int32_t> map_y_;  // by row: the sample of a map before it
+  std::vector<float> fraction_y_;    // of the one after that
+  cv::Rect picture_;                 // in fluid_, less its margin
   cv::Size size_, half_;
 };
 

@@ -51,14 +51,14 @@ std::vector<Case> cases() {
   goes.layout = Layout::kGoes;
   const PaperOptions by_frame{.matching = AppearanceMatching::kFrame},
       nearest{.resampling = Resampling::kNearest};
-  return {with("Carried", 0x8bb19bf75307fcde, CarriedOptions{}),
-          with("CarriedLoop", 0x4da8f5d4719cd35d, CarriedOptions{}, true),
-          with("CarriedMoving", 0xd08d700aa65c5468, CarriedOptions{}, false, outline::Outline::kMoving),
-          with("Goes", 0xa2d53e9e53068e50, goes),
-          with("Layout", 0x6f26cdb72ba7f554, layout),
-          with("LayoutLoop", 0x36ca8382a2f719aa, layout, true),
-          with("MotionAlone", 0x538fbac7a0005924, motion_alone),
-          with("MotionAloneMoving", 0x520bb81c788a8297, motion_alone, false, outline::Outline::kMoving),
+  return {with("Carried", 0x9566af94083bfe90, CarriedOptions{}),
+          with("CarriedLoop", 0x2fd50f7544f16e1, CarriedOptions{}, true),
+          with("CarriedMoving", 0xb907481abaa513bc, CarriedOptions{}, false, outline::Outline::kMoving),
+          with("Goes", 0x7714024b7c1ad557, goes),
+          with("Layout", 0xdbc5d0bf33845b32, layout),
+          with("LayoutLoop", 0x74be57b96a83d29a, layout, true),
+          with("MotionAlone", 0x2be8f7d7b63c55c, motion_alone),
+          with("MotionAloneMoving", 0x60144004e7a13df8, motion_alone, false, outline::Outline::kMoving),
           with("Paper", 0x3dfe0b4ad08f6d6d, PaperOptions{}),
           with("PaperByFrame", 0x850851d95d502cce, by_frame),
           with("PaperLoopOfWholeFrames", 0x979fab7519d8db73, nearest, true),
@@ -169,7 +169,7 @@ TEST_F(Animated, WideFormsGoWhereTheyAreNotToStand) {
     cv::GaussianBlur(wide, wide, {}, 6);
     return cv::norm(wide({84, 20, 36, 60}), cv::NORM_L1);  // where the layout stands
   };
-  EXPECT_GT(changed(0), 1.3 * changed(1));
+  EXPECT_GT(changed(0), 1.25 * changed(1));
 }
 
 TEST_P(Animated, FramesAreTheSameForAnyMemory) {

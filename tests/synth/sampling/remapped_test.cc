@@ -58,14 +58,27 @@ TEST(Remapped, BeyondItsSidesAPlaneGoesOnMirrored) {
 }
 
 TEST(Remapped, WhatIsCarriedInFromBeyondASideComesWithoutItsRim) {
-  for (const float at : {0.0f, 0.3f, 199.0f})
-    EXPECT_NEAR(carried_from(at, at, 200), at, 1e-4) << "frame 0 is the still";
-  EXPECT_FLOAT_EQ(carried_from(120, 100, 200), 120);
-  // Carried by 20 samples over the right side: from 197.5 on, two of 200 short of it, the way goes back.
-  EXPECT_FLOAT_EQ(carried_from(197, 177, 200), 197);
-  EXPECT_FLOAT_EQ(carried_from(199, 179, 200), 196);
-  EXPECT_FLOAT_EQ(carried_from(207, 187, 200), 188);
-  EXPECT_FLOAT_EQ(carried_from(-7, 13, 200), 10);
+  constexpr Span kAlone{0, 100, 100};
+  for (const float at : {0.0f, 0.3f, 99.0f})
+    EXPECT_NEAR(carried_from(at, at, kAlone), at, 1e-4) << "frame 0 is the still";
+  EXPECT_FLOAT_EQ(carried_from(60, 50, kAlone), 60);
+  // Carried by 20 samples over the right side: from 97.5 on, two of 100 short of it, the way goes back.
+  EXPECT_FLOAT_EQ(carried_from(97, 77, kAlone), 97);
+  EXPECT_FLOAT_EQ(carried_from(99, 79, kAlone), 96);
+  EXPECT_FLOAT_EQ(carried_from(107, 87, kAlone), 88);
+  EXPECT_FLOAT_EQ(carried_from(-7, 13, kAlone), 10);
+  EXPECT_FLOAT_EQ(beyond(97, 77, kAlone), 0);
+  EXPECT_FLOAT_EQ(beyond(107, 87, kAlone), 9.5);
+  EXPECT_FLOAT_EQ(beyond(-7, 13, kAlone), -8.5);
+}
+
+TEST(Remapped, WhatIsCarriedInFromBeyondASideIsWhatThePictureIsContinuedBy) {
+  constexpr Span kPicture{30, 130, 150};
+  EXPECT_FLOAT_EQ(carried_from(60, 50, kPicture), 60);
+  // As far beyond the side as it is beyond the rim's inner end; what is continued ends, too.
+  EXPECT_FLOAT_EQ(carried_from(23, 43, kPicture), 19);
+  EXPECT_FLOAT_EQ(carried_from(133, 113, kPicture), 137);
+  EXPECT_FLOAT_EQ(carried_from(149, 129, kPicture), 146);
 }
 
 }  // namespace

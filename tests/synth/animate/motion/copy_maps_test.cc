@@ -15,6 +15,9 @@ constexpr int kStep = 4, kInterval = 8;
 const cv::Size kSize(40, 30);
 const cv::Mat kFluid(kSize, CV_32FC4, cv::Scalar(1, 0.5, 0, 0));  // all fluid, all of one look
 
+/// A picture that ends at its sides.
+CopyPlaces alone(const cv::Mat& places) { return {places, cv::Rect({}, places.size())}; }
+
 /// A displacement that changes from frame to frame and is the same everywhere.
 cv::Vec2f blown(int i) {
   return {2 + std::sin(0.7f * static_cast<float>(i)), std::cos(0.4f * static_cast<float>(i))};
@@ -25,7 +28,7 @@ cv::Mat everywhere(int i) {
 }
 
 CopyMaps blown_copies(int loop_frames = 0) {
-  return CopyMaps(everywhere, kFluid, kStep,
+  return CopyMaps(everywhere, alone(kFluid), kStep,
                   {.interval = kInterval, .loop_frames = loop_frames, .wander = 30, .patch = 6});
 }
 
@@ -73,7 +76,7 @@ TEST(CopyMaps, WeightsSumToOneWhereCopiesGoWithThePlaceAndOneCopyShowsMost) {
 
 TEST(CopyMaps, PlacesGoOverToAnotherCopyAtTimesOfTheirOwn) {
   // Without motion: which copy shows at a place, told by its size, as sources are all alike.
-  CopyMaps maps([](int) { return cv::Mat(cv::Mat::zeros(kSize, CV_32FC2)); }, kFluid, kStep,
+  CopyMaps maps([](int) { return cv::Mat(cv::Mat::zeros(kSize, CV_32FC2)); }, alone(kFluid), kStep,
                 {.interval = kInterval, .wander = 30, .patch = 6});
   const auto changed = [&](int i) {
     maps.prepare(i, 2);
@@ -99,7 +102,7 @@ TEST(CopyMaps, ACopyThatWouldBringWhatIsNotFluidLeavesThePlaceToOthers) {
   // Fluid goes right at 2 samples a frame; copies from the past would come from beyond the left edge there, where the
   // picture, mirrored, is a guess: from four samples on it hardly counts.
   const auto right = [](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(2 * kStep, 0)); };
-  CopyMaps maps(right, kFluid, kStep, {.interval = kInterval, .wander = 30, .patch = 6});
+  CopyMaps maps(right, alone(kFluid), kStep, {.interval = kInterval, .wander = 30, .patch = 6});
   double within = 0, all = 0;
   for (int i = 2 * kInterval; i < 8 * kInterval; ++i) {
     maps.prepare(i, 1);
@@ -118,7 +121,7 @@ TEST(CopyMaps, WhereNothingGoesWithAPlaceTheLongExposureIsLeftRoom) {
   cv::Mat places = kFluid.clone();
   places(cv::Rect(17, 0, 3, kSize.height)).setTo(cv::Scalar(1, 0.02, 0.4, 0));
   const auto fast = [](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(8 * kStep, 0)); };
-  CopyMaps maps(fast, places, kStep, {.interval = kInterval, .wander = 60, .patch = 6});
+  CopyMaps maps(fast, alone(places), kStep, {.interval = kInterval, .wander = 60, .patch = 6});
   maps.prepare(0, 30);
   const auto shown = [&](int i) {
     double sum = 0;
@@ -140,7 +143,7 @@ TEST(CopyMaps, ACopyThatIsDrawnOutLeavesThePlaceToOthers) {
         out.at<cv::Vec2f>(y, x) = {1 + 8 * static_cast<float>(x) / static_cast<float>(kSize.width), 0};
     return out;
   };
-  CopyMaps maps(faster, kFluid, kStep, {.interval = kInterval, .wander = 30, .patch = 6});
+  CopyMaps maps(faster, alone(kFluid), kStep, {.interval = kInterval, .wander = 30, .patch = 6});
   double drawn_out = 0, all = 0, time_alone = 0;
   for (int i = 2 * kInterval; i < 8 * kInterval; ++i) {
     maps.prepare(i, 1);
@@ -163,7 +166,7 @@ TEST(CopyMaps, ACopyThatLooksUnlikeThePlaceLeavesItToOthers) {
   places.rowRange(15, kSize.height).setTo(cv::Scalar(1, 0.1, 0, 0));
   const auto down = [](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(0, kStep)); };
   const auto climbed = [&](const cv::Mat& looks) {
-    CopyMaps maps(down, looks, kStep, {.interval = kInterval, .wander = 30, .patch = 6});
+    CopyMaps maps(down, alone(looks), kStep, {.interval = kInterval, .wander = 30, .patch = 6});
     double sum = 0;
     for (int i = 2 * kInterval; i < 8 * kInterval; ++i) {
       maps.prepare(i, 1);
@@ -175,6 +178,27 @@ TEST(CopyMaps, ACopyThatLooksUnlikeThePlaceLeavesItToOthers) {
   };
   EXPECT_GT(climbed(kFluid), 0.2);
   EXPECT_LT(climbed(places), 0.75 * climbed(kFluid));
+}
+
+TEST(CopyMaps, WhatLiesBeyondASideIsBroughtAsItLooks) {
+  // All goes right by a sample a frame; ten samples are known beyond the left side.
+  const auto right = [](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(kStep, 0)); };
+  const auto brought = [&](double luma) {
+    CopyPlaces places{cv::Mat(kSize.height, kSize.width + 10, CV_32FC4, cv::Scalar(1, 0.5, 0, 0)),
+                      cv::Rect({10, 0}, kSize)};
+    places.all.colRange(0, 10).setTo(cv::Scalar(1, luma, 0, 0));
+    CopyMaps maps(right, places, kStep, {.interval = kInterval, .wander = 30, .patch = 6});
+    double sum = 0;
+    for (int i = 2 * kInterval; i < 8 * kInterval; ++i) {
+      maps.prepare(i, 1);
+      for (const CopyMap& copy : maps.at(i))
+        if (const float from = 3 + copy.source.at<cv::Vec2f>(15, 3)[0] / kStep; from < -1 && from > -9)
+          sum += copy.weight.at<float>(15, 3) / (6 * kInterval);
+    }
+    return sum;
+  };
+  EXPECT_GT(brought(0.5), 0.02);
+  EXPECT_LT(brought(0.05), 0.5 * brought(0.5));
 }
 
 /// Copies of a texture: all goes right, or the lower half left; no edges.
@@ -190,7 +214,7 @@ TEST(CopyMaps, TowardsAHorizonCopiesOfATextureKeepToTheirSize) {
   plane.nearness.create(kSize, CV_32F);
   for (int y = 0; y < kSize.height; ++y) plane.nearness.row(y).setTo(static_cast<float>(y + 1));
   const auto unlike = [&](const CopyStarts& from) {
-    CopyMaps maps(standing_water, kFluid, kStep, {.interval = kInterval, .patch = 6}, from);
+    CopyMaps maps(standing_water, alone(kFluid), kStep, {.interval = kInterval, .patch = 6}, from);
     double sum = 0, mass = 0;
     for (int i = kInterval; i < 8 * kInterval; i += kInterval / 2) {
       maps.prepare(i, 1);
@@ -209,7 +233,7 @@ TEST(CopyMaps, TowardsAHorizonCopiesOfATextureKeepToTheirSize) {
 }
 
 TEST(CopyMaps, CopiesOfATextureBeginDisplacedEachByAnother) {
-  CopyMaps maps(standing_water, kFluid, kStep, {.interval = kInterval, .patch = 6}, starts());
+  CopyMaps maps(standing_water, alone(kFluid), kStep, {.interval = kInterval, .patch = 6}, starts());
   std::set<std::pair<float, float>> seen;
   for (int i = 0; i < 8 * kInterval; i += kInterval) {
     maps.prepare(i, 1);
@@ -225,7 +249,7 @@ TEST(CopyMaps, CopiesOfATextureBeginDisplacedEachByAnother) {
 }
 
 TEST(CopyMaps, ATextureBeginsAsTheStillAndCoversAllPlaces) {
-  CopyMaps maps(everywhere, kFluid, kStep, {.interval = kInterval, .patch = 6}, starts());
+  CopyMaps maps(everywhere, alone(kFluid), kStep, {.interval = kInterval, .patch = 6}, starts());
   maps.prepare(0, 1);
   const std::vector<CopyMap> first = maps.at(0);
   ASSERT_EQ(first.size(), 1U);
@@ -241,7 +265,7 @@ TEST(CopyMaps, ATextureBeginsAsTheStillAndCoversAllPlaces) {
 TEST(CopyMaps, ATextureComesFromWhereTheFlowGoesTheSameWayAndBringsNoEdge) {
   CopyStarts parted = starts(true);
   parted.edges.colRange(10, 14).setTo(1);
-  CopyMaps maps(standing_water, kFluid, kStep, {.interval = kInterval, .patch = 6}, parted);
+  CopyMaps maps(standing_water, alone(kFluid), kStep, {.interval = kInterval, .patch = 6}, parted);
   double other_way = 0, edge = 0, all = 0;
   for (int i = 3 * kInterval; i < 12 * kInterval; i += 3) {
     maps.prepare(i, 1);
@@ -262,8 +286,8 @@ TEST(CopyMaps, ATextureComesFromWhereTheFlowGoesTheSameWayAndBringsNoEdge) {
 
 TEST(CopyMaps, OfALoopTheDisplacementsComeAgainToo) {
   const auto right = [](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(2, 1)); };
-  CopyMaps maps(right, kFluid, kStep, {.interval = kInterval, .loop_frames = 5 * kInterval, .patch = 6},
-                starts());
+  CopyMaps maps(right, alone(kFluid), kStep,
+                {.interval = kInterval, .loop_frames = 5 * kInterval, .patch = 6}, starts());
   maps.prepare(0, 5 * kInterval + 3);
   for (int i = 0; i < 3; ++i) {
     const auto a = maps.at(i), b = maps.at(i + 5 * kInterval);

@@ -37,7 +37,7 @@ class Carried {
   /// motion   CV_32FC2, px/s. half_life_s of detail.
   Carried(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& motion,
           double half_life_s, double edge_px = 32, int loop = 0)
-      : base_(fluid_planes(bgr, luma, matte), matte, {.edge_px = edge_px}),
+      : base_(continued(fluid_planes(bgr, luma, matte), matte, {}), {.edge_px = edge_px}),
         maps_(steady(motion, half_life_s, loop, base_.places())) {}
   CarriedFrame frame(int i) {
     maps_.prepare(i, 1);
@@ -50,7 +50,7 @@ class Carried {
   int own_frame(int copy) const { return maps_.own_frame(copy); }
 
  private:
-  static CopyMaps steady(const cv::Mat& motion, double half_life_s, int loop, const cv::Mat& places) {
+  static CopyMaps steady(const cv::Mat& motion, double half_life_s, int loop, const CopyPlaces& places) {
     constexpr int kStep = CarriedBase::kStep;
     cv::Mat coarse;
     cv::resize(motion / kFps, coarse, {(motion.cols + kStep - 1) / kStep, (motion.rows + kStep - 1) / kStep},
@@ -119,9 +119,9 @@ TEST(CarriedBase, ACopyThatHardlyShowsDoesNotTakeOverThinFluid) {
   const cv::Rect dense(80, 0, kWidth - 80, kHeight);
   luma(dense).setTo(0.9);
   matte(dense).setTo(1);
-  const CarriedBase base(fluid_planes(bgr_of(luma), luma, matte), matte, {.edge_px = 32});
+  const CarriedBase base(continued(fluid_planes(bgr_of(luma), luma, matte), matte, {}), {.edge_px = 32});
   const auto copy = [&](float weight, float from) {
-    const cv::Size size = base.places().size();
+    const cv::Size size = base.places().own().size();
     return CopyMap{.weight = cv::Mat(size, CV_32F, cv::Scalar(weight)),
                    .source = cv::Mat(size, CV_32FC2, cv::Scalar(from, 0))};
   };
@@ -250,22 +250,42 @@ TEST(CarriedBase, RepeatsInALoopOfAnyLengthAndIsCarriedInAll) {
 }
 
 TEST(CarriedBase, BeyondItsSidesThePictureGoesOnMirrored) {
-  const CarriedBase base(fluid_planes(bgr_of(picture()), picture(), whole()), whole(), {});
-  const cv::Size samples = base.places().size();
+  const CarriedBase base(continued(fluid_planes(bgr_of(picture()), picture(), whole()), whole(), {}), {});
+  const cv::Size samples = base.places().own().size();
   const CopyMap copy{cv::Mat(samples, CV_32F, cv::Scalar(1)),
-                     cv::Mat(samples, CV_32FC2, cv::Scalar(-30, 200))};
-  // Without a rim of a hundredth.
+                     cv::Mat(samples, CV_32FC2, cv::Scalar(-30, 60))};
+  // Without a rim of a fiftieth.
   const auto folded = [](double at, double size) {
-    const double low = size / 100 - 0.5, high = size - 1 - low;
-    while (at < low || at > high) at = 2 * (at < low ? low : high) - at;
-    return at;
+    const double low = size / 50 - 0.5, high = size - 1 - low;
+    return at < low ? 2 * low - at : at > high ? 2 * high - at : at;
   };
   cv::Mat luma;
   show_carried(base.frame({&copy, 1}), grey(0), luma);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
-      ASSERT_NEAR(luma.at<float>(y, x), stripes(folded(x - 30, kWidth), folded(y + 200, kHeight)), 6e-3)
+      ASSERT_NEAR(luma.at<float>(y, x), stripes(folded(x - 30, kWidth), folded(y + 60, kHeight)), 6e-3)
           << x << ", " << y;
+}
+
+TEST(CarriedBase, BeyondASideLiesWhatItIsContinuedBy) {
+  const ContinuedFluid fluid =
+      continued(fluid_planes(bgr_of(picture()), picture(), whole()), whole(), {.left = 40, .top = 24});
+  const CarriedBase base(fluid, {});
+  const cv::Size samples = base.places().own().size();
+  const CopyMap copy{cv::Mat(samples, CV_32F, cv::Scalar(1)),
+                     cv::Mat(samples, CV_32FC2, cv::Scalar(-20, -12))};
+  cv::Mat luma;
+  show_carried(base.frame({&copy, 1}), grey(0), luma);
+  // Without a rim, which is seen twice to both sides of the picture's border.
+  const auto found = [](int at, int size) { return at < size / 50.0 - 0.5 ? at - 2 * size / 50.0 : at; };
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const cv::Point2f at(static_cast<float>(40 + found(x - 20, kWidth)),
+                           static_cast<float>(24 + found(y - 12, kHeight)));
+      cv::Mat expected;
+      cv::getRectSubPix(fluid.planes.luma, {1, 1}, at, expected);
+      ASSERT_NEAR(luma.at<float>(y, x), expected.at<float>(0), 0.02) << x << ", " << y;
+    }
 }
 
 }  // namespace

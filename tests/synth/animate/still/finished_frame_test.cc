@@ -36,7 +36,8 @@ struct Parts {
 CarriedFrame carried_frame() {
   const cv::Mat picture = noise(kSize, CV_32FC3, 7, 0, 1);
   const cv::Mat matte(kSize, CV_32F, cv::Scalar(1));
-  const CarriedBase base(fluid_planes(picture, luma_of(picture), matte), matte, {.edge_px = 4});
+  const CarriedBase base(continued(fluid_planes(picture, luma_of(picture), matte), matte, {}),
+                         {.edge_px = 4});
   const cv::Size samples((kSize.width + CarriedBase::kStep - 1) / CarriedBase::kStep,
                          (kSize.height + CarriedBase::kStep - 1) / CarriedBase::kStep);
   const cv::Mat whole(samples, CV_32F, cv::Scalar(1));
