@@ -1,6 +1,7 @@
 #include "bench/quality/quality_agreement.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -17,6 +18,43 @@ std::vector<double> badness(const Judged& film) {
           d.lifetime,       std::abs(d.flicker),
           std::abs(d.pace), fine,
           d.drift,          std::isnan(d.again_beyond) ? d.again_beyond : std::max(0.0, d.again_beyond)};
+}
+
+/// The films' ranks by each measure that all of them have.
+std::vector<std::vector<double>> measured_ranks(std::span<const Judged* const> films) {
+  std::vector<std::vector<double>> bad, all;
+  for (const Judged* film : films) bad.push_back(badness(*film));
+  for (std::size_t m = 0; !bad.empty() && m < bad.front().size(); ++m) {
+    std::vector<double> values;
+    for (const auto& film : bad) values.push_back(film[m]);
+    if (std::ranges::none_of(values, [](double value) { return std::isnan(value); }))
+      all.push_back(ranks_of(values));
+  }
+  return all;
+}
+
+/// The mean ranks of films by the measures that are in `chosen`, a bit each.
+std::vector<double> order_by(const std::vector<std::vector<double>>& ranks, unsigned chosen,
+                             std::size_t films) {
+  std::vector<double> order(films);
+  for (std::size_t m = 0; m < ranks.size(); ++m)
+    if (chosen >> m & 1U)
+      for (std::size_t i = 0; i < films; ++i) order[i] += ranks[m][i];
+  return order;
+}
+
+/// How far half of the measures order the films as the other half do: the mean of all halvings.
+double agreement_of_halves(const std::vector<std::vector<double>>& ranks, std::size_t films) {
+  const auto n = static_cast<unsigned>(ranks.size());
+  const unsigned all = (1U << n) - 1;
+  double sum = 0;
+  int halvings = 0;
+  for (unsigned half = 1; half < all; ++half) {
+    if (static_cast<unsigned>(std::popcount(half)) != n / 2) continue;
+    const double found = spearman(order_by(ranks, half, films), order_by(ranks, all & ~half, films));
+    if (!std::isnan(found)) sum += found, ++halvings;
+  }
+  return halvings > 0 ? sum / halvings : kNotMeasured;
 }
 
 /// 0 for the least of these values, 1 for the greatest.
@@ -54,20 +92,6 @@ double spearman(std::span<const double> a, std::span<const double> b) {
   return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : kNotMeasured;
 }
 
-std::vector<double> true_order(std::span<const Judged* const> films) {
-  std::vector<std::vector<double>> bad;
-  for (const Judged* film : films) bad.push_back(badness(*film));
-  std::vector<double> order(films.size());
-  for (std::size_t m = 0; !bad.empty() && m < bad.front().size(); ++m) {
-    std::vector<double> values;
-    for (const auto& film : bad) values.push_back(film[m]);
-    if (std::ranges::any_of(values, [](double value) { return std::isnan(value); })) continue;
-    const std::vector<double> ranks = ranks_of(values);
-    for (std::size_t i = 0; i < ranks.size(); ++i) order[i] += ranks[i];
-  }
-  return order;
-}
-
 std::vector<Agreement> agreements(const std::vector<Judged>& judged) {
   std::vector<Agreement> all;
   std::vector<std::vector<const Judged*>> films;
@@ -82,11 +106,13 @@ std::vector<Agreement> agreements(const std::vector<Judged>& judged) {
     films[static_cast<std::size_t>(known - all.begin())].push_back(&one);
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::vector<double> order = true_order(films[i]);
+    const std::vector<std::vector<double>> ranks = measured_ranks(films[i]);
+    const std::vector<double> order = order_by(ranks, ~0U, films[i].size());
     std::vector<double> faults;
     for (const Judged* film : films[i]) faults.push_back(film->distance.faults);
     all[i].films = static_cast<int>(faults.size());
     all[i].correlation = spearman(faults, order);
+    all[i].halves = agreement_of_halves(ranks, films[i].size());
     const auto best = static_cast<std::size_t>(std::ranges::min_element(faults) - faults.begin());
     all[i].chosen = place_of(order[best], order);
     all[i].first = place_of(order.front(), order);
@@ -96,24 +122,24 @@ std::vector<Agreement> agreements(const std::vector<Judged>& judged) {
 
 std::string agreement_table(const std::vector<Agreement>& agreements) {
   std::string text =
-      "\nthe critic against the truth's order: Spearman's correlation; place of its choice and of the first "
-      "film, 0 "
-      "the best, 1 the worst\n\n| clip | films | Spearman | chosen | first |\n| --- | --- | --- | --- | --- "
-      "|\n";
-  double correlation = 0, chosen = 0, first = 0;
+      "\nthe critic against the truth's order: Spearman's correlation, and that of halves of the truth's "
+      "measures with each other; place of its choice and of the first film, 0 the best, 1 the worst\n\n"
+      "| clip | films | Spearman | halves | chosen | first |\n| --- | --- | --- | --- | --- | --- |\n";
+  double correlation = 0, halves = 0, chosen = 0, first = 0;
   int known = 0;
   for (const Agreement& one : agreements) {
-    text += fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", one.clip, one.films, one.correlation,
-                        one.chosen, one.first);
+    text += fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", one.clip, one.films,
+                        one.correlation, one.halves, one.chosen, one.first);
     if (std::isnan(one.correlation)) continue;
     correlation += one.correlation;
+    halves += one.halves;
     chosen += one.chosen;
     first += one.first;
     ++known;
   }
   if (known > 0)
-    text += fmt::format("| mean | | {:.2f} | {:.2f} | {:.2f} |\n", correlation / known, chosen / known,
-                        first / known);
+    text += fmt::format("| mean | | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", correlation / known,
+                        halves / known, chosen / known, first / known);
   return text;
 }
 

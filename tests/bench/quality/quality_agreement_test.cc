@@ -50,6 +50,17 @@ TEST(QualityAgreement, ReferencesAndFilmsThatWereNotJudgedAreLeftOut) {
   EXPECT_TRUE(agreements(judged).empty());
 }
 
+TEST(QualityAgreement, HalvesOfTheTruthsMeasuresAgreeOrDoNot) {
+  std::vector<Judged> judged{film("a", 1, 1), film("a", 2, 2), film("a", 3, 3)};
+  EXPECT_DOUBLE_EQ(agreements(judged)[0].halves, 1);
+  // Half of the measures order them the other way round: so do the halves of each halving, or they order nothing.
+  for (Judged& one : judged) {
+    Distance& d = one.distance;
+    d.spectrum_db = d.texture = d.lifetime = d.flicker = 4 - d.pace;
+  }
+  EXPECT_DOUBLE_EQ(agreements(judged)[0].halves, -1);
+}
+
 // One measure that a film lacks does not count for the others.
 TEST(QualityAgreement, AMeasureThatOneFilmLacksCountsForNone) {
   std::vector<Judged> judged{film("a", 1, 1), film("a", 2, 2), film("a", 3, 3)};
