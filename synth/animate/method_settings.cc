@@ -132,6 +132,11 @@ std::vector<MethodSetting> rows() {
              [](CarriedOptions& o) { return innovations(o) ? &innovations(o)->renewal.share : nullptr; }),
       number("standing", "Share of the static light and dark (rock, glow) that stays fixed, 0 to 1", {0, 1},
              [](CarriedOptions& o) { return &o.standing; }),
+      number(
+          "glitter",
+          "Share of sparkles on water (a low sun, a moon) that are lit and go out in place, 0 to 1; 0: they "
+          "go along with it",
+          {0, 1}, [](CarriedOptions& o) { return &o.glitter; }),
       number("detail-life",
              "Half-life of moving detail, s: short for rapids and flames (.2), long for clouds (4); 0: the "
              "clips' own",

@@ -174,6 +174,8 @@ const std::vector<Row>& rows() {
       {"", "--renewal 0"},
       {"", "--standing 0"},
       {"", "--detail-life 0.05"},
+      {"", "--glitter 0", "",
+       Does::kElsewhere},  // tests/synth/animate/carried/carried_renderer_test.cc: of water that glitters
       {"", "--flames own", "--method forms --matte matte.png"},
       {"", "--layout stands", "--matte matte.png"},
       {"", "--blend paper", kPaper},

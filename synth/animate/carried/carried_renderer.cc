@@ -20,6 +20,7 @@
 #include "synth/animate/placement/piece_values.h"
 #include "synth/animate/still/continued.h"
 #include "synth/animate/still/fluid_planes.h"
+#include "synth/animate/still/glitter.h"
 #include "synth/animate/still/layout_share.h"
 #include "synth/animate/still/standing_colour.h"
 #include "synth/animate/still/standing_detail.h"
@@ -48,6 +49,12 @@ constexpr double kMaxLevel = 0.08;             // luma: fires breathe by less
 constexpr double kTextureTravel_px = 36, kShownIntervals = 1.5, kSpread_px = 70;
 constexpr double kMaxTextureGain = 1.5;  // two copies that begin displaced agree in nothing: they lose 1.41
 constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
+// Of sparkles: after how long half of them are others, how far they go until a copy goes over to the next, how far
+// copies begin from their own places (sigma), over how many times their size they live and go together, and over which
+// they fade.
+constexpr double kSparkleLife_s = 0.2, kSparkleTravel_px = 0.8, kSparkleSpread_px = 30, kSparklePatch = 2,
+                 kSparkleEdge_px = 8;
+constexpr const char* kGlittering = "water";  // the class of fluid that does
 // How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
 // clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From kWhole* on they go without shear, from
 // kBodies* on with their light and colour.
@@ -106,6 +113,14 @@ cv::Mat directions(const cv::Mat& motion, cv::Size size) {
   return out;
 }
 
+/// Whether most patches are of water.
+bool places_water(const Animation& animation) {
+  std::size_t water = 0;
+  for (const PlacedPatch& patch : animation.placement.patches)
+    water += animation.snapshot.clip(patch.clip).class_name == kGlittering ? 1 : 0;
+  return 2 * water > animation.placement.patches.size();
+}
+
 /// px below a horizon, sampled as a field: CV_32F; empty without one.
 cv::Mat nearness(const std::optional<Horizon>& horizon, const CarryingField& field) {
   if (!horizon) return {};
@@ -122,7 +137,8 @@ cv::Mat nearness(const std::optional<Horizon>& horizon, const CarryingField& fie
 class CarriedRenderer final : public Renderer {
  public:
   CarriedRenderer(Animation& animation, const StillPart& still, const CarriedOptions& options)
-      : animation_(animation), still_(still), options_(options) {
+      : animation_(animation), whole_(still), still_(still), options_(options) {
+    part_glitter();
     measure_life();
     measure_clips();
     animation.tell("base", 0, 0);
@@ -168,6 +184,15 @@ class CarriedRenderer final : public Renderer {
 
     const CarriedFrame* colour() const { return frame ? &*frame : nullptr; }
   };
+
+  /// What goes is the water below its sparkles.
+  void part_glitter() {
+    if (options_.glitter <= 0 || animation_.options.moving() || !places_water(animation_)) return;
+    glitter_.emplace(whole_.target, whole_.luma, whole_.alpha, options_.glitter);
+    if (!glitter_->any()) return glitter_.reset();
+    still_.target = glitter_->ground();
+    still_.luma = glitter_->ground_luma();
+  }
 
   /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
   /// one size turn over in a time that falls as their speed rises.
@@ -218,6 +243,9 @@ class CarriedRenderer final : public Renderer {
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
     const FluidPlanes planes = fluid_planes(still_.target, still_.luma, still_.alpha);
     colour_.emplace(planes, still_.alpha);
+    const FluidPlanes whole =
+        glitter_ ? fluid_planes(whole_.target, whole_.luma, whole_.alpha) : FluidPlanes{};
+    if (glitter_) whole_colour_.emplace(whole, whole_.alpha);
     share_ = layout_share();
     if (share_.stands_somewhere()) lay_texture_copies(planes);
     cv::Mat own_colour;  // beside the model
@@ -238,15 +266,29 @@ class CarriedRenderer final : public Renderer {
         own_colour = of_exposure;
       }
     }
+    if (glitter_) lay_sparkles();
     renew_what_goes();
     finisher_.emplace(
-        finisher_of(animation_, still_, own_colour,
-                    copies_ ? ColourCurve(still_.target, still_.luma, still_.alpha) : ColourCurve()));
-    if (!layout_) return;
+        finisher_of(animation_, whole_, own_colour,
+                    copies_ ? ColourCurve(whole_.target, whole_.luma, whole_.alpha) : ColourCurve()));
+    if (!layout_ && !glitter_) return;
     // The bands that a sum of bands falls into are not quite those, and mixed layers agree at first: what the first
     // frame is short of the picture.
     prepare_copies(0, 1);
-    rest_of_still_ = still_.luma - carry(0, 0).luma;
+    const Carried first = carry(0, 0);
+    rest_of_still_ = whole_.luma - first.luma;
+    if (glitter_ && first.frame) measure_rest_of_colour(whole, *first.frame);
+  }
+
+  void measure_rest_of_colour(const FluidPlanes& planes, const CarriedFrame& first) {
+    const auto rest = [](const cv::Mat& whole, const cv::Mat& of_first, cv::Mat& out) {
+      cv::Mat sized;
+      cv::resize(whole * CarriedFrame::kOne, sized, of_first.size(), 0, 0, cv::INTER_AREA);
+      cv::subtract(sized, of_first, out, cv::noArray(), CV_16S);
+    };
+    rest(planes.luma, first.luma, rest_of_colour_.luma);
+    rest(planes.blue, first.blue, rest_of_colour_.blue);
+    rest(planes.red, first.red, rest_of_colour_.red);
   }
 
   /// How far the layout stands where, as it is asked.
@@ -309,7 +351,29 @@ class CarriedRenderer final : public Renderer {
                                        .nearness = nearness(frames.guide.horizon, *field_)});
   }
 
+  /// Copies of the sparkles, which stay about where they are.
+  void lay_sparkles() {
+    const FrameOptions& frames = animation_.options;
+    const double scale = animation_.placement.piece_scale;
+    const cv::Mat& where = glitter_->where();
+    sparkle_base_.emplace(
+        continued(fluid_planes(still_.target, still_.luma, where), where, {}),
+        CarriedBaseOptions{.look_px = options_.carry.look_px * scale, .edge_px = kSparkleEdge_px * scale},
+        glitter_->texture());
+    CopyOptions copies = copy_options(kSparkleLife_s / mean_speed(animation_.placement));
+    copies.patch = kSparklePatch * glitter_->size_px() / CarriedBase::kStep;
+    const double goes_px = speed_per_frame(*field_, fluid_, kUsual) * copies.interval;
+    const double slower = std::min(1.0, kSparkleTravel_px * scale / goes_px);
+    sparkle_copies_.emplace([field = field_, slower](int i) { return cv::Mat(field->at(i) * slower); },
+                            sparkle_base_->places(), field_->step(), copies,
+                            CopyStarts{.direction = cv::Mat(field_->size(), CV_32FC2, cv::Scalar(0, 1)),
+                                       .edges = cv::Mat::zeros(field_->size(), CV_32F),
+                                       .spread = kSparkleSpread_px * scale / CarriedBase::kStep,
+                                       .nearness = nearness(frames.guide.horizon, *field_)});
+  }
+
   void prepare_copies(int first, int count) {
+    if (sparkle_copies_) sparkle_copies_->prepare(first, count);
     if (copies_) copies_->prepare(first, count);
     if (texture_copies_) texture_copies_->prepare(first, count);
   }
@@ -367,12 +431,35 @@ class CarriedRenderer final : public Renderer {
       } else {
         carried.luma = laid;
       }
-      if (!rest_of_still_.empty())
-        cv::scaleAdd(rest_of_still_, still_share(output), carried.luma, carried.luma);
+      if (!glitter_) add_rest_of_still(output, carried.luma);
     }
+    if (glitter_) add_sparkles(output, carried);
     if (options_.holds_light && bodies_ < 1)
-      colour_->hold(carried.luma, carried.frame ? &*carried.frame : nullptr, 1 - bodies_);
+      (glitter_ ? whole_colour_ : colour_)
+          ->hold(carried.luma, carried.frame ? &*carried.frame : nullptr, 1 - bodies_);
+    if (glitter_) {
+      add_rest_of_still(output, carried.luma);
+      if (carried.frame && !rest_of_colour_.luma.empty() && still_share(output) > 0) {
+        const auto add_rest = [&](const cv::Mat& rest, cv::Mat& plane) {
+          cv::addWeighted(rest, still_share(output), plane, 1, 0, plane);
+        };
+        add_rest(rest_of_colour_.luma, carried.frame->luma);
+        add_rest(rest_of_colour_.blue, carried.frame->blue);
+        add_rest(rest_of_colour_.red, carried.frame->red);
+      }
+    }
     return carried;
+  }
+
+  void add_rest_of_still(int output, cv::Mat& luma) const {
+    if (!rest_of_still_.empty()) cv::scaleAdd(rest_of_still_, still_share(output), luma, luma);
+  }
+
+  void add_sparkles(int output, Carried& to) const {
+    const std::vector<CopyMap> copies = sparkle_copies_->at(output);
+    cv::Mat brought;
+    show_carried(sparkle_base_->frame(copies), cv::Mat::zeros(to.luma.size(), CV_32F), brought);
+    glitter_->add(brought, copies, CarriedBase::kStep, to.luma, to.frame ? &*to.frame : nullptr);
   }
 
   std::vector<double> renewed_shares(int levels, double anew) const {
@@ -420,7 +507,8 @@ class CarriedRenderer final : public Renderer {
   }
 
   Animation& animation_;
-  const StillPart& still_;
+  const StillPart& whole_;
+  StillPart still_;  // what is carried of it: where water glitters, the ground of its sparkles
   const CarriedOptions options_;
   double half_life_s_ = 0;               // of carried detail
   double bodies_ = 0;                    // how far wide forms go whole, with their light and colour, 0..1
@@ -431,7 +519,7 @@ class CarriedRenderer final : public Renderer {
   std::shared_ptr<const CarryingField> field_;
   cv::Mat fluid_;     // CV_32F, the matte as the field is sampled
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
-  std::optional<StandingColour> colour_;
+  std::optional<StandingColour> colour_, whole_colour_;  // of what is carried, and with its sparkles
   LayoutShare share_{0};
   // Of what goes with its forms, where anything does.
   cv::Mat exposure_;  // luma
@@ -442,8 +530,13 @@ class CarriedRenderer final : public Renderer {
   std::optional<StandingLayout> layout_;
   std::optional<CarriedBase> texture_base_;
   std::optional<CopyMaps> texture_copies_;
-  cv::Mat rest_of_still_;  // CV_32F: the picture's luma less the first frame's
-  cv::Mat stands_;         // CV_32F, of half the width and height: with both, share_ of all levels together
+  // Of sparkles, where water glitters.
+  std::optional<Glitter> glitter_;
+  std::optional<CarriedBase> sparkle_base_;
+  std::optional<CopyMaps> sparkle_copies_;
+  CarriedFrame rest_of_colour_;  // what the first frame is short of the picture, in what it was carried as
+  cv::Mat rest_of_still_;        // CV_32F: the picture's luma less the first frame's
+  cv::Mat stands_;  // CV_32F, of half the width and height: with both, share_ of all levels together
   std::optional<FrameFinisher> finisher_;
   cv::Mat missing_;  // the picture less the first frame, CV_16SC3, levels; or empty
 };

@@ -48,6 +48,8 @@ struct CarriedOptions {
   Layout layout = Layout::kMeasured;
   /// Of levels of 16 px and more, how much of what stands as measured is to stand, 0..1.
   double wide_layout = 1;
+  /// Of the light of sparkles on water (Glitter), how much is lit and goes out in its place, 0..1; 0: all goes along.
+  double glitter = 1;
   /// Whether the mean light and colour of wide places stay the still's (StandingColour). Not of flames by themselves,
   /// whose level is what they do.
   bool holds_light = true;
@@ -60,7 +62,8 @@ struct CarriedOptions {
 /// is brought back, what stands in the patches stands in the picture (StandingDetail), and what comes anew in the
 /// patches comes anew in it (Innovations). Where the layout stands, its texture alone is carried (StandingLayout,
 /// LayoutShare). Light and colour of wide places are the picture's throughout (StandingColour), but where the patches'
-/// wide forms go and live long, as clouds do: these go whole, and nothing of them stands.
+/// wide forms go and live long, as clouds do: these go whole, and nothing of them stands. Sparkles on water are lit
+/// and go out where they are (Glitter).
 /// Frame 0 is the picture.
 /// Source: not in Okabe et al. 2011; see the parts.
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,

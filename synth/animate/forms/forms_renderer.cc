@@ -36,12 +36,6 @@ std::vector<store::ClipId> clips_of(const Animation& animation, const FormsOptio
   return clips;
 }
 
-double mean_speed(const Placement& placement) {
-  double sum = 0;
-  for (const PlacedPatch& patch : placement.patches) sum += patch.speed;
-  return placement.patches.empty() ? 1 : sum / static_cast<double>(placement.patches.size());
-}
-
 FormsPlan plan_of(const Animation& animation, const StillPart& still, const FormsOptions& options) {
   animation.tell("choosing forms", 0, 1);
   const FrameOptions& frames = animation.options;

@@ -69,4 +69,10 @@ cv::Matx23d squares_from_picture(const Placement& placement, cv::Point corner, i
   return {x / square, 0, offset(x, corner.x), 0, y / square, offset(y, corner.y)};
 }
 
+double mean_speed(const Placement& placement) {
+  double sum = 0;
+  for (const PlacedPatch& patch : placement.patches) sum += patch.speed;
+  return placement.patches.empty() ? 1 : sum / static_cast<double>(placement.patches.size());
+}
+
 }  // namespace freshet::synth::animate

@@ -52,4 +52,7 @@ cv::Rect canvas_of(const Placement& placement);
 /// corner   of the first square, on the reduced picture.
 cv::Matx23d squares_from_picture(const Placement& placement, cv::Point corner, int square, cv::Size picture);
 
+/// How fast its patches play in the mean; 1: as filmed, or none.
+double mean_speed(const Placement& placement);
+
 }  // namespace freshet::synth::animate

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <utility>
+#include <vector>
 
 #include "synth/animate/animate.h"
 #include "tests/synth/animate/flowing_clip.h"
@@ -16,17 +17,18 @@ namespace {
 const cv::Point kFrom{40, 50};
 constexpr int kFrames = 25, kStep_px = 2;
 
-/// A picture after a second of a clip that goes right and whose forms live so long; upper pieces play it as fast as
-/// filmed, those below at `lower` times that.
-cv::Mat after_a_second(const cv::Mat& picture, float life_s, double lower = 1,
-                       std::function<void(const cv::Mat&)> motion = {}) {
+/// Frames of a picture, a second of a clip that goes right and whose forms live so long; upper pieces play it as fast
+/// as filmed, those below at `lower` times that.
+std::vector<cv::Mat> a_second_of(const cv::Mat& picture, float life_s, double lower = 1,
+                                 std::function<void(const cv::Mat&)> motion = {},
+                                 const CarriedOptions& carried = {}) {
   const FlowingStore store({measured({.frames = kFrames + 1,
                                       .steady = {kStep_px, 0},
                                       .varying = 0,
                                       .drawn = [](int) { return cv::Mat(110, 150, CV_8U, cv::Scalar(100)); },
                                       .life = living(life_s)})});
   Placement placement{.side = 48, .stride = 24, .patches = {}};
-  cv::Mat last;
+  std::vector<cv::Mat> frames;
   for (int y = 0; y + 48 <= picture.rows; y += 24)
     for (int x = 0; x + 48 <= picture.cols; x += 24)
       placement.patches.push_back({.piece = {x, y},
@@ -36,11 +38,16 @@ cv::Mat after_a_second(const cv::Mat& picture, float life_s, double lower = 1,
                                    .speed = y < 24 ? 1 : lower});
   AnimateOptions options;
   options.frames = kFrames;
-  options.method = CarriedOptions{};
+  options.method = carried;
   options.motion_sink = std::move(motion);
   animate(store.snapshot(), store.settings(), picture, cv::Mat(picture.size(), CV_8U, cv::Scalar(255)),
-          placement, options, [&](const cv::Mat& frame) { frame.copyTo(last); });
-  return last;
+          placement, options, [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
+  return frames;
+}
+
+cv::Mat after_a_second(const cv::Mat& picture, float life_s, double lower = 1,
+                       std::function<void(const cv::Mat&)> motion = {}) {
+  return a_second_of(picture, life_s, lower, std::move(motion)).back();
 }
 
 cv::Mat sky(int width) { return cv::Mat(100, width, CV_8UC3, cv::Scalar(200, 90, 20)); }
@@ -68,6 +75,54 @@ TEST(CarriedRenderer, BodiesAreNotShearedWherePatchesWentAtOtherSpeeds) {
   };
   EXPECT_LT(faster_above(6), 0.5);
   EXPECT_GT(faster_above(0.1f), 1) << "what lives briefly may";
+}
+
+/// Dark water on which light stands: crumbs of it between these columns.
+cv::Mat glittering(int from, int to) {
+  cv::Mat picture(100, 480, CV_8UC3, cv::Scalar(40, 30, 15));
+  cv::RNG random(5);
+  for (int i = 0; i < 300; ++i)
+    picture(cv::Rect(random.uniform(from, to), random.uniform(0, 98), 8, 2)) = cv::Scalar(150, 220, 240);
+  return picture;
+}
+
+/// How far all frames but the first ones are like the next ones `right` px to the right, within these columns.
+double goes_on(const std::vector<cv::Mat>& frames, int right, const cv::Range& columns) {
+  double sum = 0;
+  for (std::size_t i = 8; i + 1 < frames.size(); ++i) {
+    cv::Mat like;
+    cv::matchTemplate(frames[i + 1].colRange(columns.start + right, columns.end + right),
+                      frames[i].colRange(columns), like, cv::TM_CCOEFF_NORMED);
+    sum += like.at<float>(0, 0);
+  }
+  return sum / static_cast<double>(frames.size() - 9);
+}
+
+TEST(CarriedRenderer, SparklesAreLitAndGoOutInTheirPlace) {
+  const cv::Mat picture = glittering(160, 320);
+  const cv::Range path(190, 290);
+  const std::vector<cv::Mat> frames = a_second_of(picture, 0.4f),
+                             carried = a_second_of(picture, 0.4f, 1, {}, {.glitter = 0});
+  EXPECT_GT(goes_on(frames, 0, path), goes_on(frames, kStep_px, path) + 0.2);
+  EXPECT_LT(goes_on(carried, 0, path), goes_on(carried, kStep_px, path) - 0.2);
+  const auto short_of_still = [&](const cv::Mat& frame) {
+    cv::Mat apart;
+    cv::absdiff(frame, picture, apart);
+    return cv::mean(apart)[0];
+  };
+  EXPECT_LT(short_of_still(frames.front()), short_of_still(carried.front()) + 0.5) << "first the still";
+  const auto light = [&](const cv::Mat& frame) { return cv::mean(frame.colRange(path))[2]; };
+  EXPECT_NEAR(light(frames.back()) / light(picture), 1, 0.15) << "as much light as there was";
+  cv::Mat like;
+  cv::matchTemplate(frames.back().colRange(path), picture.colRange(path), like, cv::TM_CCOEFF_NORMED);
+  EXPECT_LT(like.at<float>(0, 0), 0.5) << "other sparkles";
+}
+
+TEST(CarriedRenderer, WhereNothingGlittersFramesAreTheSame) {
+  const cv::Mat picture = sky(144);
+  EXPECT_EQ(cv::norm(a_second_of(picture, 0.4f).back(),
+                     a_second_of(picture, 0.4f, 1, {}, {.glitter = 0}).back(), cv::NORM_INF),
+            0);
 }
 
 }  // namespace
