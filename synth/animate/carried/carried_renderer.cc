@@ -54,7 +54,7 @@ constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
 // they fade.
 constexpr double kSparkleLife_s = 0.2, kSparkleTravel_px = 0.8, kSparkleSpread_px = 30, kSparklePatch = 2,
                  kSparkleEdge_px = 8;
-constexpr const char* kGlittering = "water";  // the class of fluid that does
+constexpr const char* kWater = "water";  // the class of fluid that falls, and glitters
 // How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
 // clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From kWhole* on they go without shear, from
 // kBodies* on with their light and colour.
@@ -113,14 +113,6 @@ cv::Mat directions(const cv::Mat& motion, cv::Size size) {
   return out;
 }
 
-/// Whether most patches are of water.
-bool places_water(const Animation& animation) {
-  std::size_t water = 0;
-  for (const PlacedPatch& patch : animation.placement.patches)
-    water += animation.snapshot.clip(patch.clip).class_name == kGlittering ? 1 : 0;
-  return 2 * water > animation.placement.patches.size();
-}
-
 /// px below a horizon, sampled as a field: CV_32F; empty without one.
 cv::Mat nearness(const std::optional<Horizon>& horizon, const CarryingField& field) {
   if (!horizon) return {};
@@ -138,7 +130,11 @@ class CarriedRenderer final : public Renderer {
  public:
   CarriedRenderer(Animation& animation, const StillPart& still, const CarriedOptions& options)
       : animation_(animation), whole_(still), still_(still), options_(options) {
-    part_glitter();
+    if (places_class(animation_, kWater)) {
+      still_.asked_motion =
+          falling_freely(still_.asked_motion, animation_.options.guide, whole_.luma, whole_.alpha);
+      part_glitter();
+    }
     measure_life();
     measure_clips();
     animation.tell("base", 0, 0);
@@ -187,7 +183,7 @@ class CarriedRenderer final : public Renderer {
 
   /// What goes is the water below its sparkles.
   void part_glitter() {
-    if (options_.glitter <= 0 || animation_.options.moving() || !places_water(animation_)) return;
+    if (options_.glitter <= 0 || animation_.options.moving()) return;
     glitter_.emplace(whole_.target, whole_.luma, whole_.alpha, options_.glitter);
     if (!glitter_->any()) return glitter_.reset();
     still_.target = glitter_->ground();

@@ -107,13 +107,6 @@ std::unique_ptr<Renderer> of_own(Animation& animation, const StillPart& still, P
                      .pace = mean_speed(animation.placement)});
 }
 
-bool places_fire(const Animation& animation) {
-  std::size_t fires = 0;
-  for (const PlacedPatch& patch : animation.placement.patches)
-    fires += is_fire(animation.snapshot, patch.clip) ? 1 : 0;
-  return 2 * fires > animation.placement.patches.size();
-}
-
 }  // namespace
 
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
@@ -138,7 +131,7 @@ std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& s
 
 std::unique_ptr<Renderer> fire_renderer(Animation& animation, const StillPart& still,
                                         const FormsOptions& options) {
-  if (!places_fire(animation)) return nullptr;
+  if (!places_class(animation, kFire)) return nullptr;
   PartedStill parted = part(still.target, still.alpha);
   if (parted.contrast < kLeastContrast) return nullptr;
   animation.report.by_itself = true;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include <oneapi/tbb/parallel_invoke.h>
@@ -40,6 +41,13 @@ StillPart read_still(const Animation& animation) {
                                    static_cast<int>(std::lround(12 * animation.placement.piece_scale)));
       });
   return still;
+}
+
+bool places_class(const Animation& animation, const std::string& name) {
+  std::size_t of_class = 0;
+  for (const PlacedPatch& patch : animation.placement.patches)
+    of_class += animation.snapshot.clip(patch.clip).class_name == name ? 1 : 0;
+  return 2 * of_class > animation.placement.patches.size();
 }
 
 Exposure expose(const Animation& animation, const StillPart& still, const BaseImageOptions& options) {

@@ -2,6 +2,8 @@
 // from.
 #pragma once
 
+#include <string>
+
 #include <opencv2/core.hpp>
 
 #include "synth/animate/frames/animation.h"
@@ -23,6 +25,9 @@ struct StillPart {
 };
 /// Throws   as behind_fluid, before any other work.
 StillPart read_still(const Animation& animation);
+
+/// Whether more than half of the patches are of clips of this class.
+bool places_class(const Animation& animation, const std::string& name);
 
 /// The picture as a long exposure along its motion.
 struct Exposure {

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
+#include "platform/smoothstep.h"
 #include "stored/clip_cells.h"
 #include "vision/dot.h"
 #include "vision/look/horizon.h"
@@ -18,6 +20,15 @@ namespace {
 constexpr double kEvened = 0.01;  // sigma of asked directions, of the picture's diagonal
 constexpr double kWhole = 0.15;   // sigma of the motion of what goes whole, of the longer side
 constexpr int kWholeStep = 8;     // px: it is evened as coarsely
+
+// Of water that falls freely. Lengths are those of a picture of 640 px.
+constexpr double kMeantFor_px = 640, kStreak_px = 1.5, kFallEdge_px = 6;
+constexpr double kLeastFall = 0.25;                          // of the picture's height
+constexpr double kStreakedFrom = 0.5, kStreakedSure = 0.57;  // of all gradients, those across
+constexpr float kLeans = 0.47f;                              // tangent of 25 degrees
+constexpr double kGained = 3, kLost = 0.9;                   // of the first speed's square, down and up
+constexpr double kEvenRows = 0.05;                           // sigma, of the height
+constexpr float kMostFaster = 4;
 
 /// Directions evened out, of length 1 where they agree and less where they oppose each other; 0 where none is asked.
 cv::Mat evened(const cv::Mat& direction) {
@@ -32,6 +43,69 @@ cv::Mat evened(const cv::Mat& direction) {
     for (int x = 0; x < out.cols; ++x)
       out.at<cv::Vec2f>(y, x) *= asked.at<float>(y, x) / std::max(mass.at<float>(y, x), 1e-6f);
   return out;
+}
+
+/// Squares of gradients across and of all: CV_32FC2.
+cv::Mat uprightness(const cv::Mat& luma, double unit) {
+  cv::Mat soft, across, down, out;
+  cv::GaussianBlur(luma, soft, {}, kStreak_px * unit, kStreak_px * unit, cv::BORDER_REPLICATE);
+  cv::Sobel(soft, across, CV_32F, 1, 0);
+  cv::Sobel(soft, down, CV_32F, 0, 1);
+  across = across.mul(across);
+  cv::merge(std::vector<cv::Mat>{across, across + down.mul(down)}, out);
+  return out;
+}
+
+/// Of all gradients within a stretch those across, but at its own border.
+double share_across(const cv::Mat& uprightness, const cv::Mat& stretch) {
+  cv::Mat within;
+  cv::erode(stretch, within, cv::Mat::ones(9, 9, CV_8U));
+  const cv::Scalar mean = cv::mean(uprightness, within);
+  return mean[1] > 0 ? mean[0] / mean[1] : 0;
+}
+
+/// What is to go down (way 1) or up (-1) at no speed that is asked: CV_8U.
+cv::Mat upright(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& matte, float way) {
+  cv::Mat out(motion.size(), CV_8U);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      const cv::Vec2f v = motion.at<cv::Vec2f>(y, x);
+      const bool free = guide.direction.at<cv::Vec2f>(y, x) != cv::Vec2f(0, 0) &&
+                        (guide.speed.empty() || guide.speed.at<float>(y, x) < 0);
+      out.at<std::uint8_t>(y, x) =
+          free && matte.at<float>(y, x) > 0.5f && way * v[1] > 0 && std::abs(v[0]) < kLeans * way * v[1] ? 255
+                                                                                                         : 0;
+    }
+  return out;
+}
+
+/// By row of a stretch, what speeds are multiplied by.
+std::vector<float> fall_factors(const cv::Mat& motion, const cv::Mat& labels, int label,
+                                const cv::Range& rows, bool down) {
+  cv::Mat sums = cv::Mat::zeros(rows.size(), 1, CV_32F), counts = sums.clone();
+  for (int y = rows.start; y < rows.end; ++y)
+    for (int x = 0; x < motion.cols; ++x)
+      if (labels.at<int>(y, x) == label) {
+        const cv::Vec2f v = motion.at<cv::Vec2f>(y, x);
+        sums.at<float>(y - rows.start) += std::hypot(v[0], v[1]);
+        counts.at<float>(y - rows.start) += 1;
+      }
+  std::vector<float> factors;
+  double wanted = 0;
+  for (int i = 0; i < rows.size(); ++i) {
+    const double way = (down ? i + 0.5 : rows.size() - i - 0.5) / rows.size();
+    factors.push_back(static_cast<float>(std::sqrt(1 + (down ? kGained : -kLost) * way)));
+    wanted += factors.back() * counts.at<float>(i);
+  }
+  const auto mean = static_cast<float>(cv::sum(sums)[0] / wanted);
+  const double even = kEvenRows * rows.size();
+  cv::GaussianBlur(sums, sums, {1, 0}, 1e-6, even, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(counts, counts, {1, 0}, 1e-6, even, cv::BORDER_REPLICATE);
+  for (int i = 0; i < rows.size(); ++i) {
+    const float found = sums.at<float>(i) / std::max(counts.at<float>(i), 1.0f);
+    factors[static_cast<std::size_t>(i)] *= std::min(mean / std::max(found, 1e-3f), kMostFaster);
+  }
+  return factors;
 }
 
 /// How fast a plane is seen to go, over its mean in the fluid. CV_32F.
@@ -136,6 +210,43 @@ cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, cons
         v = way.at<cv::Vec2f>(y, x) * speed;
     }
   return out;
+}
+
+cv::Mat falling_freely(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
+                       const cv::Mat& matte) {
+  if (guide.direction.empty() || guide.horizon) return motion;  // a horizon is a plane's
+  const double unit = std::max(luma.cols, luma.rows) / kMeantFor_px;
+  const cv::Mat across = uprightness(luma, unit);
+  cv::Mat times(motion.size(), CV_32F, cv::Scalar(1));
+  bool falls = false;
+  for (const float way : {1.0f, -1.0f}) {
+    cv::Mat labels, stats, unused;
+    const int found =
+        cv::connectedComponentsWithStats(upright(motion, guide, matte, way), labels, stats, unused, 4);
+    for (int label = 1; label < found; ++label) {
+      const int first = stats.at<int>(label, cv::CC_STAT_TOP),
+                rows = stats.at<int>(label, cv::CC_STAT_HEIGHT);
+      if (rows < kLeastFall * motion.rows) continue;
+      const double sure = smoothstep(kStreakedFrom, kStreakedSure, share_across(across, labels == label));
+      if (sure <= 0) continue;
+      const std::vector<float> factors = fall_factors(motion, labels, label, {first, first + rows}, way > 0);
+      for (int y = first; y < first + rows; ++y)
+        for (int x = 0; x < motion.cols; ++x)
+          if (labels.at<int>(y, x) == label)
+            times.at<float>(y, x) =
+                static_cast<float>(std::lerp(1, factors[static_cast<std::size_t>(y - first)], sure));
+      falls = true;
+    }
+  }
+  if (!falls) return motion;
+  // Where the stretch ends nothing jumps.
+  cv::Mat mass, out;
+  cv::GaussianBlur(times.mul(matte), times, {}, kFallEdge_px * unit, kFallEdge_px * unit,
+                   cv::BORDER_REPLICATE);
+  cv::GaussianBlur(matte, mass, {}, kFallEdge_px * unit, kFallEdge_px * unit, cv::BORDER_REPLICATE);
+  times /= cv::max(mass, 1e-3);
+  cv::merge(std::vector<cv::Mat>{times, times}, mass);
+  return motion.mul(mass);
 }
 
 double pace(const cv::Mat& assigned, const cv::Mat& asked, const cv::Mat& matte) {

@@ -1,6 +1,7 @@
 #include "synth/animate/motion/motion_field.h"
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -112,6 +113,73 @@ TEST(ApplyGuide, SlowsDownTowardsAHorizonAndKeepsTheMean) {
   // What is asked by speed is asked.
   guide.speed = cv::Mat(kPicture, CV_32F, cv::Scalar(50));
   EXPECT_FLOAT_EQ(apply_guide(everywhere({30, 0}), guide, matte).at<cv::Vec2f>(60, 100)[0], 50);
+}
+
+/// Streaks that are drawn out this way, CV_32F.
+cv::Mat streaks(bool upright) {
+  cv::Mat luma(kPicture, CV_32F);
+  cv::RNG(4).fill(luma, cv::RNG::NORMAL, 0.5, 0.3);
+  const double along = 12, across = 1.5;
+  cv::GaussianBlur(luma, luma, {}, upright ? across : along, upright ? along : across, cv::BORDER_REFLECT);
+  return luma;
+}
+
+query::MotionGuide asked_to(cv::Vec2f way) {
+  query::MotionGuide guide;
+  guide.direction = everywhere(way / cv::norm(way));
+  return guide;
+}
+
+double mean_speed_of(const cv::Mat& motion, const cv::Range& rows) {
+  double sum = 0;
+  for (int y = rows.start; y < rows.end; ++y) sum += cv::norm(motion.at<cv::Vec2f>(y, 160)) / rows.size();
+  return sum;
+}
+
+TEST(FallingFreely, GathersSpeedDownAFallAndKeepsTheMean) {
+  const cv::Mat field = falling_freely(everywhere({5, 30}), asked_to({5, 30}), streaks(true), all());
+  const double brink = mean_speed_of(field, {0, 8}), foot = mean_speed_of(field, {232, 240});
+  EXPECT_NEAR(foot / brink, 2, 0.2);
+  EXPECT_NEAR(mean_speed_of(field, {0, 240}), std::hypot(5, 30), 0.4);
+  const double middle = mean_speed_of(field, {116, 124});
+  EXPECT_NEAR(middle * middle, (brink * brink + foot * foot) / 2, 0.06 * foot * foot)
+      << "its square by the height";
+  EXPECT_NEAR(field.at<cv::Vec2f>(120, 160)[0] / field.at<cv::Vec2f>(120, 160)[1], 5.0 / 30, 1e-4);
+}
+
+TEST(FallingFreely, LosesSpeedUpwards) {
+  const cv::Mat field = falling_freely(everywhere({0, -30}), asked_to({0, -30}), streaks(true), all());
+  EXPECT_NEAR(mean_speed_of(field, {0, 8}) / mean_speed_of(field, {232, 240}), 0.35, 0.06);
+  EXPECT_NEAR(mean_speed_of(field, {0, 240}), 30, 0.4);
+}
+
+TEST(FallingFreely, SpeedsOfPatchesAreEvenedDownTheFallAndKeptAcrossIt) {
+  cv::Mat motion = everywhere({0, 30});
+  motion.rowRange(80, 120) *= 3;
+  motion.colRange(200, 320) *= 0.5;
+  const cv::Mat field = falling_freely(motion, asked_to({0, 30}), streaks(true), all());
+  EXPECT_LT(field.at<cv::Vec2f>(100, 160)[1], field.at<cv::Vec2f>(200, 160)[1]);
+  EXPECT_NEAR(field.at<cv::Vec2f>(200, 260)[1] / field.at<cv::Vec2f>(200, 160)[1], 0.5, 0.01);
+}
+
+TEST(FallingFreely, WhatDoesNotFallKeepsItsSpeed) {
+  const auto stays = [](const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
+                        const cv::Mat& matte) {
+    return cv::norm(falling_freely(motion, guide, luma, matte), motion, cv::NORM_INF) == 0;
+  };
+  const cv::Mat down = everywhere({0, 30});
+  EXPECT_TRUE(stays(down, asked_to({0, 1}), streaks(false), all())) << "ripples, as of a river";
+  EXPECT_TRUE(stays(everywhere({30, 30}), asked_to({1, 1}), streaks(true), all())) << "it leans";
+  cv::Mat low = all();
+  low.rowRange(50, 240).setTo(0);
+  EXPECT_TRUE(stays(down, asked_to({0, 1}), streaks(true), low)) << "a step";
+  EXPECT_TRUE(stays(down, {}, streaks(true), all())) << "nobody says its way";
+  query::MotionGuide guide = asked_to({0, 1});
+  guide.speed = cv::Mat(kPicture, CV_32F, cv::Scalar(30));
+  EXPECT_TRUE(stays(down, guide, streaks(true), all())) << "a speed that is asked is asked";
+  query::MotionGuide plane = asked_to({0, 1});
+  plane.horizon = Horizon{{0, 40}, {320, 40}};
+  EXPECT_TRUE(stays(down, plane, streaks(true), all())) << "a plane seen from above";
 }
 
 }  // namespace
