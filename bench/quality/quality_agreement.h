@@ -14,9 +14,9 @@ std::vector<double> ranks_of(std::span<const double> values);
 /// Spearman's correlation of ranks, -1 to 1; NaN for fewer than three, or where all of one side are equal.
 double spearman(std::span<const double> a, std::span<const double> b);
 
-/// By clip. The truth's order of its films is the mean of their ranks by spectrum, texture, lifetime, flicker, pace, SWD
-/// of the three finest levels, colour drift, and how far forms come back beyond the truth's. Fixed before the first run
-/// of the critic; a measure that one of the films lacks counts for none.
+/// By clip. The truth's order of its films is the mean of their ranks by spectrum, texture, lifetime, flicker, pace,
+/// SWD of the three finest levels, colour drift, and how far forms come back beyond the truth's. Fixed before the first
+/// run of the critic; a measure that one of the films lacks counts for none.
 struct Agreement {
   std::string clip, class_name;
   int films = 0;
