@@ -247,8 +247,8 @@ class CarriedRenderer final : public Renderer {
     cv::Mat own_colour;  // beside the model
     if (layout_) {
       cv::Mat modelled;
-      apply_colour(still_.colours, still_.luma, modelled);
-      own_colour = still_.target - modelled;
+      apply_colour(whole_.colours, whole_.luma, modelled);
+      own_colour = whole_.target - modelled;
     }
     if (share_.goes_somewhere()) {
       const cv::Mat of_exposure = lay_picture_copies(planes);

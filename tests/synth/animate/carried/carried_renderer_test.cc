@@ -110,7 +110,7 @@ TEST(CarriedRenderer, SparklesAreLitAndGoOutInTheirPlace) {
     cv::absdiff(frame, picture, apart);
     return cv::mean(apart)[0];
   };
-  EXPECT_LT(short_of_still(frames.front()), short_of_still(carried.front()) + 0.5) << "first the still";
+  EXPECT_LT(short_of_still(frames.front()), short_of_still(carried.front()) + 0.1) << "first the still";
   const auto light = [&](const cv::Mat& frame) { return cv::mean(frame.colRange(path))[2]; };
   EXPECT_NEAR(light(frames.back()) / light(picture), 1, 0.15) << "as much light as there was";
   cv::Mat like;

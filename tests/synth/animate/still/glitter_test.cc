@@ -104,7 +104,7 @@ TEST(Glitter, SparklesTakeTheStrengthOfThePlaceWhereTheyAreLit) {
   const Glitter glitter = found(picture);
   const cv::Mat luma = luma_of(picture), frame = lit(glitter, moved(glitter.texture(), 40), {copy_of(1)});
   EXPECT_NEAR(mean(frame, left) / mean(luma, left), 1, 0.25);
-  EXPECT_NEAR(mean(frame, right) / mean(luma, right), 1, 0.25);
+  EXPECT_NEAR(mean(frame, right) / mean(luma, right), 1, 0.1);
   double brightest = 0;
   cv::minMaxLoc(frame(right), nullptr, &brightest);
   EXPECT_LT(brightest, 0.85) << "no brighter than those around it";
@@ -115,7 +115,7 @@ TEST(Glitter, MixedCopiesKeepTheirContrast) {
   const cv::Mat one = lit(glitter, moved(glitter.texture(), 17), {copy_of(1)});
   const cv::Mat mixed = 0.5 * (moved(glitter.texture(), 17) + moved(glitter.texture(), -23));
   const cv::Mat two = lit(glitter, mixed, {copy_of(0.5), copy_of(0.5)});
-  EXPECT_NEAR(deviation(two, kMiddle) / deviation(one, kMiddle), 0.85, 0.15) << "half without";
+  EXPECT_NEAR(deviation(two, kMiddle) / deviation(one, kMiddle), 0.85, 0.09) << ".71 without";
 }
 
 TEST(Glitter, LightBringsItsOwnColour) {
