@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Is what stands inside a matte found? Guesses of what to hold beside hand-drawn ones (holds.toml).
 
-usage: holds.py MATTES [--guesses FOLDER] [--holds FILE] [--sheets FOLDER] [--weights FILE]
+usage: holds.py MATTES [--guesses FOLDER] [--holds FILE] [--sheets FOLDER] [--weights FILE] [--draw FOLDER] [--clicks]
 
 MATTES holds NAME_still.png and NAME_matte.png of 640 px, as first_takes.py leaves them; FOLDER NAME_hold.png, white where the guess
 holds (none: nothing is held). Prints for each picture what share of its matte is drawn as standing; how much of that is found; and
 how much of the fluid is taken. Then the same over all pixels, and as a mean over pictures: of the set, and of the pictures held out,
 which no constant may be set by.
 --weights writes vision/look/standing_weights.h, learned from the set alone by the NAME.figures of `bench_holds --figures` in --guesses.
+--draw writes what is drawn, for `bench_holds --drawn`; --clicks prints what is held after how many clicks of one who does nothing else.
 Sheets, for the eye: found green, missed red, taken from the fluid yellow, the matte's outline white.
 """
 import argparse
@@ -21,6 +22,9 @@ import numpy
 
 FARTHEST = 4  # deviations that a figure counts
 MOST_TAKEN = .045
+CLICKS = (0, 1, 2, 3, 5, 8, 12)  # as holds.cc has them
+STARTS = ("plain_none", "plain_auto", "sized_none", "sized_auto")
+
 
 def held_out(names):
     """The half whose names' SHA-256 are lowest: a lot that nobody chose."""
@@ -43,6 +47,23 @@ def sheet(still, matte, truth, guess):
     outlines = cv2.findContours(matte.astype(numpy.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)[0]
     cv2.drawContours(shown, outlines, -1, (255, 255, 255), 1)
     return shown
+
+
+def counted(matte, truth, guess):
+    """Of the matte, in pixels: what stands, what is found of it, what flows, what is taken of it."""
+    return numpy.array([(matte & where).sum() for where in (truth, truth & guess, ~truth, ~truth & guess)])
+
+
+def print_clicks(counts):
+    """counts: of (start, held out, clicks) the pictures'."""
+    print("| start | pictures | " + " | ".join(map(str, CLICKS)) + " |\n| --- | --- |" + " --: |" * len(CLICKS))
+    for (start, apart), rows in counts.items():
+        rows = numpy.array(rows, float)  # picture, clicks, counted
+        with numpy.errstate(invalid="ignore"):
+            found, taken = 100 * rows[..., 1] / rows[..., 0], 100 * rows[..., 3] / rows[..., 2]
+        for called, of, digits in (("found, median", numpy.nanmedian(found, 0), 0), ("found, mean", numpy.nanmean(found, 0), 0),
+                                   ("taken, median", numpy.median(taken, 0), 1), ("taken, mean", taken.mean(0), 1)):
+            print(f"| {start} | {'held out' if apart else 'set'}, {called} | " + " | ".join(f"{value:.{digits}f}" for value in of) + " |")
 
 
 def learned(samples, steps=25, ridge=.05):
@@ -93,11 +114,14 @@ def main():
     options.add_argument("--holds", type=pathlib.Path, default=pathlib.Path(__file__).with_name("holds.toml"))
     options.add_argument("--sheets", type=pathlib.Path)
     options.add_argument("--weights", type=pathlib.Path)
+    options.add_argument("--draw", type=pathlib.Path)
+    options.add_argument("--clicks", action="store_true")
     said = options.parse_args()
     holds = tomllib.loads(said.holds.read_text())
     apart = held_out(list(holds))
     pictures = []
-    counts = {False: [], True: []}  # of each picture: drawn, found, fluid, taken
+    counts = {False: [], True: []}
+    clicked = {(start, is_apart): [] for start in STARTS for is_apart in (False, True)}
     print("| picture | held out | stands % | found % | fluid taken % |\n| --- | --- | --: | --: | --: |")
     for name, hold in holds.items():
         still, matte = (cv2.imread(str(said.mattes / (name + ending)), how) for ending, how in (("_still.png", 1), ("_matte.png", 0)))
@@ -106,12 +130,23 @@ def main():
         matte = matte > 127
         truth = drawn(matte.shape, hold)
         guess = numpy.zeros(matte.shape, bool)
-        if said.guesses:
-            picture = cv2.imread(str(said.guesses / (name + "_hold.png")), 0)
+
+        def read(ending):
+            picture = cv2.imread(str(said.guesses / (name + ending)), 0)
             if picture is None or picture.shape != matte.shape:
-                raise SystemExit(f"{said.guesses}: no {name}_hold.png of the still's size")
-            guess = picture > 127
-        of = numpy.array([(matte & truth).sum(), (matte & truth & guess).sum(), (matte & ~truth).sum(), (matte & ~truth & guess).sum()])
+                raise SystemExit(f"{said.guesses}: no {name}{ending} of the still's size")
+            return picture > 127
+
+        if said.guesses:
+            guess = read("_hold.png")
+        if said.draw:
+            said.draw.mkdir(parents=True, exist_ok=True)
+            cv2.imwrite(str(said.draw / (name + ".png")), truth.astype(numpy.uint8) * 255)
+        if said.clicks:
+            for start in STARTS:
+                clicked[start, name in apart].append([counted(matte, truth, read(f"_{start}_{count}.png")) for count in CLICKS])
+            guess = read("_plain_none_5.png")
+        of = counted(matte, truth, guess)
         counts[name in apart].append(of)
         found = f"{100 * of[1] / of[0]:.0f}" if of[0] else "-"
         print(f"| {name} | {'yes' if name in apart else ''} | {100 * of[0] / matte.sum():.1f} | {found} | {100 * of[3] / of[2]:.1f} |")
@@ -130,6 +165,8 @@ def main():
         found = numpy.mean([100 * of[1] / of[0] for of in rows if of[0]])
         taken = numpy.mean([100 * of[3] / of[2] for of in rows])
         print(f"| {called}, mean of pictures | | {stands:.1f} | {found:.0f} | {taken:.1f} |")
+    if said.clicks:
+        print_clicks(clicked)
     if said.weights:
         write_weights(said.weights, pictures)
 

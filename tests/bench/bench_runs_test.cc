@@ -53,6 +53,8 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
   fs::create_directories(folder / "takes");
   fs::copy_file(still, folder / "takes/one_still.png");
   fs::copy_file(matte, folder / "takes/one_matte.png");
+  fs::create_directories(folder / "drawn");
+  fs::copy_file(matte, folder / "drawn/one.png");
   std::ofstream(folder / "outlines.txt") << "water falls simulated/waterfall/1 alpha\nwater flows " << river
                                          << "@50 0,0 100,0 100,100\nfire flames simulated/fire/1 alpha\n";
   return {
@@ -142,7 +144,10 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
        {"/", "outlines.txt"},
        "measurements/critic.md",
        {"is \\ told", "water", "fire", "sure %", "of the sure right %", "all left out"}},
-      {"bench_holds", {"takes", "guesses", "--figures"}, "measurements/first_takes.md", {}},
+      {"bench_holds",
+       {"takes", "guesses", "--figures", "--drawn", "drawn"},
+       "measurements/first_takes.md",
+       {"a click costs"}},
       {"bench_matting",
        {still + ":marks.png:" + matte},
        "measurements/mattes.md",

@@ -7,14 +7,13 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "vision/look/lab_colours.h"
 #include "vision/look/standing_weights.h"
 
 namespace freshet::vision {
 namespace {
 
-constexpr double kSide = 640;  // px
-constexpr int kBins = 24;      // of each of L, a, b
-constexpr float kNear = 20;    // px
+constexpr float kNear = 20;  // px
 
 constexpr int kDeepestFrame = 10;      // px
 constexpr double kFrameStep = 2;       // Lab: the median step along a side
@@ -28,24 +27,6 @@ consteval bool names_match() {
   return kStandingWeights.size() == kStandingFigures.size();
 }
 static_assert(names_match(), "the figures changed: learn standing_weights.h again (holds.py --weights)");
-
-cv::Size worked_size(cv::Size whole) {
-  const double scale = kSide / std::max(whole.width, whole.height);
-  return {std::max(1, cvRound(whole.width * scale)), std::max(1, cvRound(whole.height * scale))};
-}
-
-cv::Mat blurred(const cv::Mat& plane, double sigma) {
-  cv::Mat out;
-  cv::GaussianBlur(plane, out, {}, sigma);
-  return out;
-}
-
-cv::Mat lab_of(const cv::Mat& picture) {
-  cv::Mat lab;
-  picture.convertTo(lab, CV_32F, 1 / 255.);
-  cv::cvtColor(lab, lab, cv::COLOR_BGR2Lab);
-  return lab;
-}
 
 cv::Mat channel(const cv::Mat& lab, int of) {
   cv::Mat plane;
@@ -75,55 +56,13 @@ float deviation(const cv::Mat& plane, float middle, const cv::Mat& where) {
   return 1.48f * median(cv::abs(plane - middle), where) + 2;
 }
 
-/// Of each pixel the bin of its colour.
-cv::Mat bins_of(const cv::Mat& lab) {
-  cv::Mat bins(lab.size(), CV_32S);
-  const auto bin = [](float share) { return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1); };
-  for (int y = 0; y < lab.rows; ++y)
-    for (int x = 0; x < lab.cols; ++x) {
-      const auto& c = lab.at<cv::Vec3f>(y, x);
-      bins.at<int>(y, x) =
-          (bin(c[0] / 100) * kBins + bin((c[1] + 60) / 120)) * kBins + bin((c[2] + 60) / 120);
-    }
-  return bins;
-}
-
-/// Log of how frequent each pixel's colour is among pixels so weighed.
-cv::Mat log_frequency(const cv::Mat& bins, const cv::Mat& weight) {
-  std::vector<float> share(std::size_t{kBins} * kBins * kBins), next(share.size());
-  for (int y = 0; y < bins.rows; ++y)
-    for (int x = 0; x < bins.cols; ++x)
-      share[static_cast<std::size_t>(bins.at<int>(y, x))] += weight.at<float>(y, x);
-  float sum = 0;
-  for (const float s : share) sum += s;
-  for (int pass = 0; pass < 2; ++pass)
-    for (const int stride : {1, kBins, kBins * kBins}) {
-      for (int i = 0; i < static_cast<int>(share.size()); ++i) {
-        const int along = i / stride % kBins;
-        const auto at = [&](int step) {
-          return along + step < 0 || along + step >= kBins
-                     ? 0
-                     : share[static_cast<std::size_t>(i + step * stride)];
-        };
-        next[static_cast<std::size_t>(i)] = .25f * at(-1) + .5f * at(0) + .25f * at(1);
-      }
-      share.swap(next);
-    }
-  cv::Mat out(bins.size(), CV_32F);
-  for (int y = 0; y < bins.rows; ++y)
-    for (int x = 0; x < bins.cols; ++x)
-      out.at<float>(y, x) =
-          std::log(share[static_cast<std::size_t>(bins.at<int>(y, x))] / (sum + 1e-9f) + 1e-5f);
-  return out;
-}
-
 /// Mean colour of what is so weighed, within sigma px.
 cv::Mat colour_around(const cv::Mat& lab, const cv::Mat& weight, double sigma) {
-  const cv::Mat spread = blurred(weight, sigma) + 1e-4;
+  const cv::Mat spread = gaussian(weight, sigma) + 1e-4;
   cv::Mat weights, spreads, out;
   cv::merge(std::vector{weight, weight, weight}, weights);
   cv::merge(std::vector{spread, spread, spread}, spreads);
-  cv::divide(blurred(lab.mul(weights), sigma), spreads, out);
+  cv::divide(gaussian(lab.mul(weights), sigma), spreads, out);
   return out;
 }
 
@@ -165,30 +104,23 @@ int frame_depth(const cv::Mat& lab) {
 
 std::vector<cv::Mat> standing_figures(const cv::Mat& picture, const cv::Mat& matte) {
   assert(picture.type() == CV_8UC3 && matte.type() == CV_8U && picture.size() == matte.size());
-  cv::Mat small, inside;
+  cv::Mat small;
   cv::resize(picture, small, worked_size(picture.size()), 0, 0, cv::INTER_AREA);
-  cv::resize(matte, inside, small.size(), 0, 0, cv::INTER_AREA);
-  inside = inside > 127;
-  const cv::Mat lab = lab_of(blurred(small, 1.2)), luma = channel(lab, 0), smooth = blurred(lab, 1.5);
-  cv::Mat fluid, distance, away;
+  const cv::Mat inside = worked_matte(matte);
+  const cv::Mat lab = lab_of(gaussian(small, 1.2)), luma = channel(lab, 0), smooth = gaussian(lab, 1.5);
+  cv::Mat fluid, distance;
   inside.convertTo(fluid, CV_32F, 1 / 255.);
   const cv::Mat beside = 1 - fluid;
   cv::distanceTransform(inside, distance, cv::DIST_L2, 5);
-  cv::distanceTransform(~inside, away, cv::DIST_L2, 5);
   const cv::Mat near = decay(distance, kNear);
 
   std::vector<cv::Mat> figures;
-  const cv::Mat share = blurred(beside, 12);
+  const cv::Mat share = gaussian(beside, 12);
   figures.push_back(share);
   figures.push_back(decay(distance, 5));
 
-  const cv::Mat bins = bins_of(lab);
-  cv::Mat background = cv::Mat::zeros(inside.size(), CV_32F), likely = background.clone();
-  if (cv::countNonZero(inside) < static_cast<int>(inside.total())) {
-    const cv::Mat ratio = log_frequency(bins, decay(away, 60).mul(beside)) - log_frequency(bins, fluid);
-    background = blurred(ratio, 2);
-    likely = cv::max(blurred(cv::max(cv::min(ratio, 4), -4), 2), 0);
-  }
+  const cv::Mat ratio = log_ratio_beside(lab, inside), background = gaussian(ratio, 2),
+                likely = cv::max(gaussian(cv::max(cv::min(ratio, 4), -4), 2), 0);
   figures.push_back(background);
 
   const cv::Mat off_fluid = length(smooth - colour_around(lab, fluid, 12)),
@@ -196,9 +128,9 @@ std::vector<cv::Mat> standing_figures(const cv::Mat& picture, const cv::Mat& mat
   const cv::Mat nearer = cv::max(cv::min((off_fluid - off_beside) / 20, 2), -2);
   figures.push_back(nearer.mul(cv::min(4 * share, 1)));
 
-  const cv::Mat band = luma - blurred(luma, 2);
+  const cv::Mat band = luma - gaussian(luma, 2);
   cv::Mat detail;
-  cv::log(blurred(band.mul(band), 3) + .05, detail);
+  cv::log(gaussian(band.mul(band), 3) + .05, detail);
   figures.push_back(detail - median(detail, inside));
 
   const auto [from, to] = rows_of(inside);
