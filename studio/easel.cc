@@ -14,9 +14,13 @@
 #include "freshet/error.h"
 #include "query/labelling/assignment.h"
 #include "query/search/picture_scale.h"
+#include "studio/drawing/drawn_matte.h"
+#include "studio/drawing/fields.h"
+#include "studio/drawing/outlines.h"
 #include "studio/drawing/reduced.h"
 #include "studio/jobs/event_feed.h"
 #include "synth/matte/held.h"
+#include "vision/look/lies_at.h"
 #include "vision/look/standing.h"
 
 namespace freshet::studio {
@@ -31,6 +35,9 @@ constexpr int kFieldSide = 64;           // cells of the field that a page draws
 constexpr int kLayersAhead = 12;         // live frames that are made at once
 constexpr double kLayersPerSecond = 40;  // and of the others
 constexpr double kLeastStanding = 1e-4;  // of the picture: smaller things are not offered to be held
+constexpr double kLeastLying = 2e-5;     // nor taken by a click
+constexpr int kLargestSide = 1 << 20;    // px
+constexpr double kLeastSize = .01, kLargestSize = 50;  // times what a plain click takes, which is up to all
 
 std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -388,24 +395,51 @@ std::string Easel::standing_json() const {
   const double factor = reduction(still->bgr.size(), kFullSide);
   cv::Mat stands = vision::what_stands(reduced(still->bgr, factor), reduced(now.matte->alpha, factor)) > 127;
   if (!now.matte->held.empty()) stands.setTo(0, reduced(now.matte->held, factor) > 127);
-  std::vector<std::vector<cv::Point>> outlines;
-  cv::findContours(stands, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
-  const double least = kLeastStanding * stands.total();
-  std::erase_if(outlines, [least](const auto& outline) { return cv::contourArea(outline) < least; });
-  std::ranges::stable_sort(outlines, std::greater{},
-                           [](const auto& outline) { return cv::contourArea(outline); });
-  Json json = Json::array();
-  for (const std::vector<cv::Point>& outline : outlines) {
-    std::vector<cv::Point> simple;
-    cv::approxPolyDP(outline, simple, 0.7, true);
-    Json& points = json.emplace_back(Json::array());
-    for (const cv::Point& point : simple) {
-      // Whole pixels have their number at their middle.
-      points.push_back(std::round(10 * factor * (point.x + 0.5)) / 10);
-      points.push_back(std::round(10 * factor * (point.y + 0.5)) / 10);
+  return outlines_json(outlines_of(stands, kLeastStanding * stands.total()), factor).dump();
+}
+
+std::string Easel::lying_json(const Json& asked) const {
+  std::size_t points = 0;
+  const Fields fields(asked, "request", points);
+  fields.only({"x", "y", "size", "held"});
+  const cv::Point at(fields.integer("x", 0, kLargestSide), fields.integer("y", 0, kLargestSide));
+  const double size = fields.number("size", kLeastSize, kLargestSize);
+  const std::vector<Drawn> marks = fields.drawn("held");
+  const Results now = results();
+  if (!now.matte || now.matte->alpha.empty())
+    throw Error(ErrorKind::kNotFound, project_->id(), "it has no matte yet", "Scribble on what flows");
+  const std::shared_ptr<const media::Still> still = project_->picture();
+  if (!cv::Rect({}, still->bgr.size()).contains(at))
+    throw Error(ErrorKind::kNotFound, "picture", "there is nothing of it there");
+  cv::Mat held = cv::Mat::zeros(still->bgr.size(), CV_8U);
+  paint(marks, held);
+  const bool holds = held.at<std::uint8_t>(at) <= 127;
+  const double factor = reduction(still->bgr.size(), kFullSide);
+  const cv::Mat small = reduced(still->bgr, factor);
+  const auto there = [&](const cv::Point2f& point) {
+    return cv::Point(std::clamp(static_cast<int>(point.x / factor), 0, small.cols - 1),
+                     std::clamp(static_cast<int>(point.y / factor), 0, small.rows - 1));
+  };
+  std::vector<cv::Point> others;
+  cv::Mat alone(small.size(), CV_8U);
+  for (const Drawn& mark : marks) {
+    if (mark.adds == holds) continue;
+    if (!mark.is_area) {
+      others.push_back(there(mark.points[mark.points.size() / 2]));
+      continue;
     }
+    std::vector<cv::Point> outline;
+    for (const cv::Point2f& point : mark.points) outline.push_back(there(point));
+    const cv::Rect box = cv::boundingRect(outline);
+    alone(box).setTo(0);
+    cv::fillPoly(alone, outline, 255);
+    others.push_back(vision::innermost(alone(box)) + box.tl());
   }
-  return json.dump();
+  const cv::Mat lies = vision::what_lies_at(small, reduced(now.matte->alpha, factor), reduced(held, factor),
+                                            there(at), others, size * vision::kClickTakes);
+  return Json{{"holds", holds},
+              {"outlines", outlines_json(outlines_of(lies, kLeastLying * lies.total()), factor)}}
+      .dump();
 }
 
 std::string Easel::matte_png(const cv::Mat& alpha, int longest) const {

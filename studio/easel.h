@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
 #include <opencv2/core.hpp>
 
 #include "cache/result_cache.h"
@@ -72,6 +73,10 @@ class Easel {
   /// What looks as if it stood in the matte and is not held yet (vision::what_stands): outlines, the largest first,
   /// each x0, y0, x1, y1, .. px of the picture. Throws Error{kNotFound} before there is a matte.
   std::string standing_json() const;
+  /// What a click takes (vision::what_lies_at): whether it is to be held or let go, and outlines as above.
+  /// asked   x, y: px. size: times what a plain click takes. held: the marks of what is held.
+  /// Throws  Error{kNotFound} before there is a matte, and for a point beside the picture; Error{kInput} as Fields.
+  std::string lying_json(const nlohmann::json& asked) const;
   /// PNG, white, with the matte as its alpha.
   std::string matte_png(const cv::Mat& alpha, int longest) const;
 

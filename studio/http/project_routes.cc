@@ -179,6 +179,8 @@ std::vector<Route> project_routes(Studio& studio) {
        [easel](Call& call) { call.answer(easel(call)->overview_json()); }},
       {"GET", "api/projects/:id/standing", kNoBody,
        [easel](Call& call) { call.answer(easel(call)->standing_json()); }},
+      {"POST", "api/projects/:id/standing", kTextBody,
+       [easel](Call& call) { call.answer(easel(call)->lying_json(call.object())); }},
       {"GET", "api/projects/:id/mattes/:number/:which", kNoBody,
        [&](Call& call) { send_matte(studio, call); }},
       {"GET", "api/projects/:id/reels/:number/:frame", kNoBody, [&](Call& call) { send_reel(studio, call); }},

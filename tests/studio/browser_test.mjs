@@ -1143,12 +1143,18 @@ test("three doors: an example moves at once, is guessed, told how fast, and anot
   await page.keyboard.press("Control+z");
   await until(async () => (await document(id)).held.length === 0);
 
-  // A click holds what lies there, up to its edge: the headland, of another colour than the sky.
+  // A click holds what lies there. More takes more of it in its place; another click lets go of it.
   await page.keyboard.press("h");
   await drag(page, [[100, 136], [100, 136]]);
-  await until(async () => (await document(id)).held.length === 1);
-  const [held] = (await document(id)).held;
-  assert.ok(held.area && held.points.length > 4, JSON.stringify(held));
+  await until(async () => (await document(id)).held.length > 0);
+  const { held } = await document(id);
+  assert.ok(held.every((each) => each.area && each.adds && each.points.length > 2), JSON.stringify(held));
+  await page.getByRole("button", { name: "More" }).click();
+  const sum = (points) => Math.abs(points.reduce((all, [x, y], i) => { const [bx, by] = points.at(i - 1); return all + (bx * y - x * by) / 2; }, 0));
+  await until(async () => sum((await document(id)).held[0].points) > 1.5 * sum(held[0].points));
+  await shot(page, "held-by-a-click");
+  await drag(page, [[100, 136], [100, 136]]);
+  await until(async () => (await document(id)).held.some((each) => !each.adds));
   assert.deepEqual(page.faults, []);
   await api(`projects/${id}`, { method: "DELETE" });
 });

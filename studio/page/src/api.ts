@@ -1,6 +1,6 @@
 // The server, as functions. Addresses are relative: the token stands in the page's own.
 import type { Kept } from "./history";
-import type { Candidates, Document, Field, Home, Job, Pieces, Project, Takes, Way } from "./types";
+import type { Candidates, Document, Drawn, Field, Home, Job, Pieces, Point, Project, Takes, Way } from "./types";
 
 export class Fault extends Error {
   constructor(readonly status: number, text: string) {
@@ -79,6 +79,9 @@ export const pieces = (id: string): Promise<Pieces> => get(`${at(id)}/pieces`);
 export const outlines = (id: string, reel: number): Promise<number[][][]> => get(`${at(id)}/reels/${reel}/outlines`);
 /** What looks as if it stood in the fluid: outlines of x0, y0, x1, y1, .. px of the picture, the largest first. */
 export const standing = (id: string): Promise<number[][]> => get(`${at(id)}/standing`);
+/** What a click takes where these marks are held: size times what it takes by itself. holds   or it is let go. */
+export const lying = (id: string, [x, y]: Point, size: number, held: Drawn[]): Promise<{ holds: boolean; outlines: number[][] }> =>
+  post(`${at(id)}/standing`, { x: Math.floor(x), y: Math.floor(y), size, held });
 export const candidates = (id: string, piece: number): Promise<Candidates> => get(`${at(id)}/pieces/${piece}`);
 export const credits = async (id: string): Promise<string> => (await ask(address.credits(id))).text();
 

@@ -7,7 +7,7 @@ import { KindSection } from "./kindsection";
 import { Choice, IconButton, named, Section, Select, Slider, Strip, Switch } from "./parts";
 import { lengthOf, paired } from "./pen";
 import * as state from "./state";
-import { hold } from "./tools/fluidtool";
+import { hold, takeAt } from "./tools/fluidtool";
 import { SweepSection } from "./sweepsection";
 import type { Candidate, Candidates, Document, Edge, MatteBase } from "./types";
 import * as view from "./view";
@@ -35,7 +35,7 @@ export function FluidPanel({ document }: { document: Document }): JSX.Element {
     paint: "Paint onto the matte, exactly.",
     erase: "Take away from the matte, exactly.",
     area: "Draw around an area, or click its corners and then the first one again. Alt takes it away.",
-    hold: "Click what stands in front of the fluid, or paint over it: it stays as it is.",
+    hold: "Click what stands in front of the fluid, or paint over it: it stays as it is. Click it again to let go.",
   };
   return (
     <>
@@ -49,6 +49,7 @@ export function FluidPanel({ document }: { document: Document }): JSX.Element {
           ))}
         </div>
         <p class="hint">{hints[tool]}</p>
+        {tool === "hold" && <Sized />}
         {tool === "hold" && <Offered />}
         {tool !== "area" && (
           <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
@@ -91,6 +92,23 @@ export function FluidPanel({ document }: { document: Document }): JSX.Element {
         </div>
       </Section>
     </>
+  );
+}
+
+/** Of what the last click took, more or less. */
+function Sized(): JSX.Element | null {
+  const click = state.clicked.value;
+  if (!click || state.doc.value?.held !== click.after) return null;
+  const resize = (times: number): void => takeAt({ ...click, size: click.size * times });
+  return (
+    <div class="row">
+      <button type="button" class="quiet" disabled={click.size < 0.05} onClick={() => resize(0.5)}>
+        Less
+      </button>
+      <button type="button" class="quiet" disabled={click.size > 20} onClick={() => resize(2)}>
+        More
+      </button>
+    </div>
   );
 }
 

@@ -5,7 +5,7 @@ import * as api from "./api";
 import { canonical, History } from "./history";
 import { clearLayers, heardOfLayers, type LayersNews, liveLayers, renewLostLayers } from "./livelayers";
 import { Player } from "./player";
-import type { Document, DrawnScene, Field, Home, Job, MatteNews, Mode, Pieces, Point, Project, ReelNews, Store, Takes } from "./types";
+import type { Document, Drawn, DrawnScene, Field, Home, Job, MatteNews, Mode, Pieces, Point, Project, ReelNews, Store, Takes } from "./types";
 
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[]; width: number; height: number; strip?: number }[];
@@ -25,6 +25,15 @@ export const field = signal<Field | null>(null);
 export const pieces = signal<Pieces | null>(null);
 export const takes = signal<Takes | null>(null);
 export const offered = signal<Point[][]>([]); // outlines of what may be held still
+
+/** A click that took what lies there, so that it may take more of it or less. */
+export interface Click {
+  at: Point;
+  size: number; // times what a click takes by itself
+  before: Drawn[]; // what was held
+  after: Drawn[];
+}
+export const clicked = signal<Click | null>(null);
 export const labelsNumber = signal(0);
 export const problem = signal("");
 export const toast = signal("");
@@ -222,6 +231,7 @@ function leave(): void {
     takes.value = null;
     problem.value = "";
     offered.value = [];
+    clicked.value = null;
   });
 }
 

@@ -746,6 +746,56 @@ TEST_F(Server, WhatLooksAsIfItStoodIsOfferedUntilItIsHeld) {
   for (const Json& left : running().json(at)) EXPECT_NE(left, offered[0]) << "it is held";
 }
 
+TEST_F(Server, AClickHoldsWhatLiesThereUpToItsSizeAndLetsItGo) {
+  cv::Mat picture(240, 320, CV_8UC3, cv::Scalar(170, 140, 110));
+  cv::circle(picture, {200, 120}, 20, cv::Scalar(40, 90, 60), cv::FILLED);
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", picture, png);
+  const httplib::Result opened =
+      running().send("POST", "api/projects?name=lily.png", std::string(png.begin(), png.end()));
+  ASSERT_EQ(status(opened), 200);
+  const std::string id = Json::parse(opened->body)["id"], at = "api/projects/" + id + "/standing";
+  const auto click = [&](int x, int y, double size, const Json& held) {
+    return running().send("POST", at, Json{{"x", x}, {"y", y}, {"size", size}, {"held", held}}.dump());
+  };
+  const Json nothing = Json::array();
+  EXPECT_EQ(status(click(200, 120, 1, nothing)), 404) << "there is no matte yet";
+  const auto area = [](const Json& points) {
+    return Json{{"points", points}, {"width", 0}, {"adds", true}, {"area", true}};
+  };
+  running().draw(id, {{"paint", {area({{0, 0}, {320, 0}, {320, 240}, {0, 240}})}}});
+  const auto taken = [](const Json& answer) {
+    cv::Mat drawn = cv::Mat::zeros(240, 320, CV_8U);
+    for (const Json& outline : answer["outlines"]) {
+      std::vector<cv::Point> points;
+      for (std::size_t i = 0; i + 1 < outline.size(); i += 2)
+        points.emplace_back(static_cast<int>(outline[i].get<float>()),
+                            static_cast<int>(outline[i + 1].get<float>()));
+      cv::fillPoly(drawn, points, 255);
+    }
+    return drawn;
+  };
+  const Json lily = Json::parse(click(205, 125, 1, nothing)->body);
+  EXPECT_EQ(lily["holds"], true);
+  EXPECT_NEAR(cv::countNonZero(taken(lily)), .02 * 320 * 240, 150);
+  EXPECT_NE(taken(lily).at<std::uint8_t>(110, 190), 0) << "across the lily";
+  EXPECT_EQ(taken(lily).at<std::uint8_t>(125, 226), 0) << "the water beside it is as near to the click";
+  EXPECT_NEAR(cv::countNonZero(taken(Json::parse(click(60, 60, 3, nothing)->body))), .06 * 320 * 240, 300);
+
+  // What is held: both halves of the picture's middle, each by a click of its own; the right one is let go.
+  const Json left = area({{100, 60}, {160, 60}, {160, 180}, {100, 180}}),
+             right = area({{160, 60}, {220, 60}, {220, 180}, {160, 180}});
+  const Json answer = Json::parse(click(175, 120, 50, {left, right})->body);
+  EXPECT_EQ(answer["holds"], false);
+  EXPECT_NE(taken(answer).at<std::uint8_t>(120, 176), 0);
+  EXPECT_EQ(taken(answer).at<std::uint8_t>(120, 130), 0) << "nearer to the other click's middle";
+  EXPECT_EQ(taken(answer).at<std::uint8_t>(30, 176), 0) << "was not held";
+
+  EXPECT_EQ(status(click(400, 120, 1, nothing)), 404);
+  EXPECT_EQ(status(click(10, 10, 0, nothing)), 400);
+  EXPECT_EQ(status(running().send("POST", at, R"({"x": 1, "y": 1, "size": 1})")), 400);
+}
+
 TEST_F(Server, ALayersScribblesAreAMatteAtOnce) {
   const std::string id = running().open_still("scribbled.png");
   const std::string at = "api/projects/" + id + "/layers/";

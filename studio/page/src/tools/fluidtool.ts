@@ -1,7 +1,8 @@
 // Scribbles, from which the matte is found, and paint that changes it exactly.
 import { Line } from "konva/lib/shapes/Line";
-import { flat } from "../pen";
-import { holds, regionAt } from "../region";
+import * as api from "../api";
+import { flat, paired } from "../pen";
+import { holds } from "../region";
 import * as state from "../state";
 import type { Point } from "../types";
 import * as view from "../view";
@@ -16,13 +17,32 @@ export function hold(outlines: Point[][]): void {
   state.offered.value = state.offered.value.filter((each) => !outlines.includes(each));
 }
 
-/** What is offered there is held still, or else what lies there, up to its edge. */
+/** What is offered there is held still, or else what lies there; what is held there already is let go. */
 function holdAt(point: Point | undefined): void {
-  const [open, image] = [state.project.value, view.picture.value];
-  if (!open || !image || !point) return;
-  const outline = state.offered.value.find((each) => holds(each, point)) ?? regionAt(image, open, point);
-  if (outline && outline.length > 2) hold([outline]);
-  else state.toast.value = "Nothing with an edge of its own lies there: paint over what shall stand.";
+  const document = state.doc.value;
+  if (!document || !point) return;
+  const outline = state.offered.value.find((each) => holds(each, point));
+  if (outline) hold([outline]);
+  else takeAt({ at: point, size: 1, before: document.held });
+}
+
+/** Its marks are drawn anew, of a size times what a click takes by itself. */
+export function takeAt(click: Omit<state.Click, "after">): void {
+  const open = state.project.value;
+  if (!open) return;
+  const shown = state.doc.value?.held;
+  api.lying(open.id, click.at, click.size, click.before).then(
+    ({ holds: adds, outlines }) => {
+      if (state.project.value !== open || state.doc.value?.held !== shown) return;
+      const taken = outlines.map((outline) => ({ points: paired(outline), width: 0, adds, area: true }));
+      if (taken.length === 0) state.toast.value = "There is no fluid to hold still.";
+      else {
+        state.edit({ held: [...click.before, ...taken] }, `click ${click.at.join()}`);
+        state.clicked.value = { ...click, after: state.doc.value?.held ?? [] };
+      }
+    },
+    (fault: Error) => (state.toast.value = fault.message),
+  );
 }
 
 export const fluidTool: Tool = {
