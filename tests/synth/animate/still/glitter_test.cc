@@ -110,6 +110,21 @@ TEST(Glitter, SparklesTakeTheStrengthOfThePlaceWhereTheyAreLit) {
   EXPECT_LT(brightest, 0.85) << "no brighter than those around it";
 }
 
+TEST(Glitter, AsMuchIsLitAsThePlaceHas) {
+  cv::Mat picture = glittering();
+  const cv::Rect right(350, 60, 30, 80);
+  const cv::Mat whole = picture.clone();
+  picture.colRange(kWidth / 2, kWidth) = kWater;
+  // A third of the rows keep theirs.
+  for (int y = 0; y < kHeight; y += 6)
+    whole(cv::Rect(kWidth / 2, y, kWidth / 2, 2)).copyTo(picture(cv::Rect(kWidth / 2, y, kWidth / 2, 2)));
+  const Glitter glitter = found(picture);
+  const auto light = [&](const cv::Mat& luma) { return mean(luma - glitter.ground_luma(), right); };
+  const cv::Mat frame = lit(glitter, moved(glitter.texture(), 70), {copy_of(1)});
+  EXPECT_NEAR(light(frame) / light(luma_of(picture)), 1, 0.3)
+      << "it comes from where three times as much is lit";
+}
+
 TEST(Glitter, MixedCopiesKeepTheirContrast) {
   const Glitter glitter = found(glittering());
   const cv::Mat one = lit(glitter, moved(glitter.texture(), 17), {copy_of(1)});
