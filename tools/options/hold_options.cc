@@ -13,7 +13,7 @@ void HoldOptions::add_to(CLI::App& command) {
   command.add_option(
       "--hold", hold_,
       "Picture, white where something stands in front of the fluid or in it: it keeps still; or auto: what "
-      "looks as if it stood, rims of the matte and the picture's own frame [none]");
+      "looks as if it stood, rims of the matte, round things and the picture's own frame [none]");
 }
 
 cv::Mat HoldOptions::take_out(TargetFiles::Loaded& loaded) const {

@@ -80,6 +80,21 @@ cv::Mat lab_of(const cv::Mat& picture) {
   return lab;
 }
 
+float median(const cv::Mat& plane, const cv::Mat& where) {
+  std::vector<float> values;
+  for (int y = 0; y < plane.rows; ++y)
+    for (int x = 0; x < plane.cols; ++x)
+      if (where.at<uchar>(y, x)) values.push_back(plane.at<float>(y, x));
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+float robust_deviation(const cv::Mat& plane, float middle, const cv::Mat& where) {
+  return 1.48f * median(cv::abs(plane - middle), where) + 2;
+}
+
 cv::Mat log_ratio_beside(const cv::Mat& lab, const cv::Mat& inside) {
   if (cv::countNonZero(inside) == static_cast<int>(inside.total())) return cv::Mat::zeros(lab.size(), CV_32F);
   cv::Mat fluid, away;

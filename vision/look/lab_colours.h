@@ -15,6 +15,11 @@ cv::Mat worked_matte(const cv::Mat& matte);
 cv::Mat lab_of(const cv::Mat& picture);
 cv::Mat gaussian(const cv::Mat& plane, double sigma);
 
+/// Of CV_32F where CV_8U `where` is not 0; 0 where it is so nowhere.
+float median(const cv::Mat& plane, const cv::Mat& where);
+/// Of a normal distribution, from the median distance to the median; 2 more, as no fluid has one colour alone.
+float robust_deviation(const cv::Mat& plane, float middle, const cv::Mat& where);
+
 /// Log of how frequent each pixel's colour is beside the fluid (fading over 60 px), less that of how frequent in it;
 /// 0 everywhere where all is fluid. CV_32F.
 /// inside   CV_8U, not 0 in the fluid.

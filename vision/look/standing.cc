@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/look/lab_colours.h"
+#include "vision/look/round_things.h"
 #include "vision/look/standing_weights.h"
 
 namespace freshet::vision {
@@ -38,22 +39,6 @@ cv::Mat decay(const cv::Mat& distance, float length) {
   cv::Mat out;
   cv::exp(distance * (-1 / length), out);
   return out;
-}
-
-float median(const cv::Mat& plane, const cv::Mat& where) {
-  std::vector<float> values;
-  for (int y = 0; y < plane.rows; ++y)
-    for (int x = 0; x < plane.cols; ++x)
-      if (where.at<uchar>(y, x)) values.push_back(plane.at<float>(y, x));
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-/// Of a normal distribution, from the median distance to the median; 2 more, as no fluid has one colour alone.
-float deviation(const cv::Mat& plane, float middle, const cv::Mat& where) {
-  return 1.48f * median(cv::abs(plane - middle), where) + 2;
 }
 
 /// Mean colour of what is so weighed, within sigma px.
@@ -139,7 +124,7 @@ std::vector<cv::Mat> standing_figures(const cv::Mat& picture, const cv::Mat& mat
     height.row(y).setTo(static_cast<float>(y - from) / static_cast<float>(std::max(1, to - from)) - .5f);
   figures.push_back(height);
 
-  const float spread = deviation(luma, median(luma, inside), inside);
+  const float spread = robust_deviation(luma, median(luma, inside), inside);
   const cv::Mat darker = (channel(colour_around(lab, fluid, 35), 0) - channel(smooth, 0)) / spread;
   figures.push_back(darker.mul(near));
   figures.push_back(off_fluid.mul(near, 1 / 20.));
@@ -149,7 +134,7 @@ std::vector<cv::Mat> standing_figures(const cv::Mat& picture, const cv::Mat& mat
   for (int of = 0; of < 2; ++of) {
     const cv::Mat plane = channel(lab, of + 1);
     const float middle = median(plane, inside);
-    off.at(static_cast<std::size_t>(of)) = (plane - middle) / deviation(plane, middle, inside);
+    off.at(static_cast<std::size_t>(of)) = (plane - middle) / robust_deviation(plane, middle, inside);
   }
   cv::Mat hue;
   cv::magnitude(off[0], off[1], hue);
@@ -204,6 +189,7 @@ cv::Mat what_stands(const cv::Mat& picture, const cv::Mat& matte) {
   cv::medianBlur(found, found, 5);  // no specks
   cv::resize(found, found, picture.size(), 0, 0, cv::INTER_LINEAR);
   cv::GaussianBlur(found, found, {}, .8);
+  found = cv::max(found, round_things(picture, matte));
   found.setTo(0, ~inside);
   return cv::max(stands, found);
 }

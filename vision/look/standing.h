@@ -32,11 +32,12 @@ std::vector<cv::Mat> standing_figures(const cv::Mat& picture, const cv::Mat& mat
 /// a step of colour all along them. CV_8U of the picture's size, 255 in it.
 cv::Mat own_frame(const cv::Mat& picture);
 
-/// What looks as if it stood in the matte: its own frame, and what is more like things that were drawn as standing in
-/// pictures than like the fluid around them, at most a tenth of the matte. Rather misses than takes fluid.
+/// What looks as if it stood in the matte: its own frame, round things (round_things.h), and what is more like things
+/// that were drawn as standing in pictures than like the fluid around them, of these at most a tenth of the matte.
+/// Rather misses than takes fluid.
 /// picture   CV_8UC3 BGR. matte   CV_8U of its size, fluid above 127.
 /// Returns   CV_8U of the picture's size: 255 where it stands, its rim soft; 0 outside of the matte.
-/// Cost      .14 s of CPU at 640 px. docs/measurements/first_takes.md says how often it is right.
+/// Cost      .19 s of CPU at 640 px. docs/measurements/first_takes.md says how often it is right.
 cv::Mat what_stands(const cv::Mat& picture, const cv::Mat& matte);
 
 }  // namespace freshet::vision
