@@ -131,8 +131,8 @@ class CarriedRenderer final : public Renderer {
   CarriedRenderer(Animation& animation, const StillPart& still, const CarriedOptions& options)
       : animation_(animation), whole_(still), still_(still), options_(options) {
     if (places_class(animation_, kWater)) {
-      still_.asked_motion =
-          falling_freely(still_.asked_motion, animation_.options.guide, whole_.luma, whole_.alpha);
+      still_.asked_motion = falling_freely(still_.asked_motion, animation_.options.guide, whole_.luma,
+                                           whole_.alpha, mean_speed(animation_.placement));
       part_glitter();
     }
     measure_life();

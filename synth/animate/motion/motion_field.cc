@@ -29,6 +29,7 @@ constexpr float kLeans = 0.47f;                              // tangent of 25 de
 constexpr double kGained = 3, kLost = 0.9;                   // of the first speed's square, down and up
 constexpr double kEvenRows = 0.05;                           // sigma, of the height
 constexpr float kMostFaster = 4;
+constexpr double kFalls = 0.35, kMostGain = 4;  // longer sides a second; times the patches' own mean speed
 
 /// Directions evened out, of length 1 where they agree and less where they oppose each other; 0 where none is asked.
 cv::Mat evened(const cv::Mat& direction) {
@@ -81,7 +82,7 @@ cv::Mat upright(const cv::Mat& motion, const query::MotionGuide& guide, const cv
 
 /// By row of a stretch, what speeds are multiplied by.
 std::vector<float> fall_factors(const cv::Mat& motion, const cv::Mat& labels, int label,
-                                const cv::Range& rows, bool down) {
+                                const cv::Range& rows, bool down, double usual) {
   cv::Mat sums = cv::Mat::zeros(rows.size(), 1, CV_32F), counts = sums.clone();
   for (int y = rows.start; y < rows.end; ++y)
     for (int x = 0; x < motion.cols; ++x)
@@ -97,7 +98,9 @@ std::vector<float> fall_factors(const cv::Mat& motion, const cv::Mat& labels, in
     factors.push_back(static_cast<float>(std::sqrt(1 + (down ? kGained : -kLost) * way)));
     wanted += factors.back() * counts.at<float>(i);
   }
-  const auto mean = static_cast<float>(cv::sum(sums)[0] / wanted);
+  const double own = cv::sum(sums)[0] / std::max(cv::sum(counts)[0], 1.0),
+               gain = std::clamp(usual / std::max(own, 1e-3), 1.0, kMostGain);
+  const auto mean = static_cast<float>(gain * cv::sum(sums)[0] / wanted);
   const double even = kEvenRows * rows.size();
   cv::GaussianBlur(sums, sums, {1, 0}, 1e-6, even, cv::BORDER_REPLICATE);
   cv::GaussianBlur(counts, counts, {1, 0}, 1e-6, even, cv::BORDER_REPLICATE);
@@ -213,8 +216,9 @@ cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, cons
 }
 
 cv::Mat falling_freely(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
-                       const cv::Mat& matte) {
+                       const cv::Mat& matte, double played) {
   if (guide.direction.empty() || guide.horizon) return motion;  // a horizon is a plane's
+  const double usual = played * kFalls * std::max(luma.cols, luma.rows);
   const double unit = std::max(luma.cols, luma.rows) / kMeantFor_px;
   const cv::Mat across = uprightness(luma, unit);
   cv::Mat times(motion.size(), CV_32F, cv::Scalar(1));
@@ -229,7 +233,8 @@ cv::Mat falling_freely(const cv::Mat& motion, const query::MotionGuide& guide, c
       if (rows < kLeastFall * motion.rows) continue;
       const double sure = smoothstep(kStreakedFrom, kStreakedSure, share_across(across, labels == label));
       if (sure <= 0) continue;
-      const std::vector<float> factors = fall_factors(motion, labels, label, {first, first + rows}, way > 0);
+      const std::vector<float> factors =
+          fall_factors(motion, labels, label, {first, first + rows}, way > 0, usual);
       for (int y = first; y < first + rows; ++y)
         for (int x = 0; x < motion.cols; ++x)
           if (labels.at<int>(y, x) == label)

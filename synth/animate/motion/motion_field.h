@@ -37,16 +37,20 @@ double fastest_speed(cv::Size picture);
 cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& matte);
 
 /// Water that falls gathers speed, and water that is thrown up loses it: by v^2 = v0^2 + 2 g h along its way, where a
-/// way is asked or guessed, but no speed and no horizon. The scale is not known: v at the foot is twice that at the
-/// brink, and water that rises ends with a third of its speed. So clips do: a fountain falls by 7 to 12 px a frame over
-/// 160 px, its square by the height to a tenth, a fall by 6 to 10 between two ledges.
+/// way is asked, and neither a speed nor a horizon (unasked, lamps mirrored in a lake would fall: they are drawn out
+/// upright too). The scale is not known: v at the foot is twice that at the brink, and water that rises ends with a
+/// third of its speed. So clips do: a fountain falls by 7 to 12 px a frame over 160 px, its square by the height to a
+/// tenth, a fall by 6 to 10 between two ledges. The mean speed becomes .35 of the longer side a second, as falls have
+/// (.71 and .19 in those two), but no less than the patches' own and at most four times that: of falling spray their
+/// flow sees a fifth.
 /// What falls freely: a stretch within 25 degrees of upright, a quarter of the picture's height or more, whose texture
 /// is drawn out upright. Of the squares of gradients .58 to .88 lie across in four such (two falls, a fountain, a
 /// geyser), .09 to .40 in brooks, rapids, rivers and falls that are seen from afar.
 /// motion   CV_32FC2, px/s, as apply_guide made it; luma and matte CV_32F, 0..1, of its size.
-/// Returns  the motion, its mean speed over each such stretch as it was. Cost: some passes over the field, one thread.
+/// played   > 0: how fast the patches play, 1 as filmed. The fall goes so many times as fast.
+/// Cost     some passes over the field, one thread.
 cv::Mat falling_freely(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
-                       const cv::Mat& matte);
+                       const cv::Mat& matte, double played = 1);
 
 /// How many times as fast the fluid goes as the patches that were assigned to it, in 1/4..4: the mean of the logarithm
 /// over the matte, faster places by their speed. 1 where nothing moves.

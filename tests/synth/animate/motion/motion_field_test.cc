@@ -137,29 +137,40 @@ double mean_speed_of(const cv::Mat& motion, const cv::Range& rows) {
 }
 
 TEST(FallingFreely, GathersSpeedDownAFallAndKeepsTheMean) {
-  const cv::Mat field = falling_freely(everywhere({5, 30}), asked_to({5, 30}), streaks(true), all());
+  const cv::Mat field = falling_freely(everywhere({25, 150}), asked_to({25, 150}), streaks(true), all());
   const double brink = mean_speed_of(field, {0, 8}), foot = mean_speed_of(field, {232, 240});
   EXPECT_NEAR(foot / brink, 2, 0.2);
-  EXPECT_NEAR(mean_speed_of(field, {0, 240}), std::hypot(5, 30), 0.4);
+  EXPECT_NEAR(mean_speed_of(field, {0, 240}), std::hypot(25, 150), 2);
   const double middle = mean_speed_of(field, {116, 124});
   EXPECT_NEAR(middle * middle, (brink * brink + foot * foot) / 2, 0.06 * foot * foot)
       << "its square by the height";
-  EXPECT_NEAR(field.at<cv::Vec2f>(120, 160)[0] / field.at<cv::Vec2f>(120, 160)[1], 5.0 / 30, 1e-4);
+  EXPECT_NEAR(field.at<cv::Vec2f>(120, 160)[0] / field.at<cv::Vec2f>(120, 160)[1], 25.0 / 150, 1e-4);
 }
 
 TEST(FallingFreely, LosesSpeedUpwards) {
-  const cv::Mat field = falling_freely(everywhere({0, -30}), asked_to({0, -30}), streaks(true), all());
+  const cv::Mat field = falling_freely(everywhere({0, -150}), asked_to({0, -150}), streaks(true), all());
   EXPECT_NEAR(mean_speed_of(field, {0, 8}) / mean_speed_of(field, {232, 240}), 0.35, 0.06);
-  EXPECT_NEAR(mean_speed_of(field, {0, 240}), 30, 0.4);
+  EXPECT_NEAR(mean_speed_of(field, {0, 240}), 150, 2);
 }
 
 TEST(FallingFreely, SpeedsOfPatchesAreEvenedDownTheFallAndKeptAcrossIt) {
-  cv::Mat motion = everywhere({0, 30});
+  cv::Mat motion = everywhere({0, 150});
   motion.rowRange(80, 120) *= 3;
   motion.colRange(200, 320) *= 0.5;
-  const cv::Mat field = falling_freely(motion, asked_to({0, 30}), streaks(true), all());
+  const cv::Mat field = falling_freely(motion, asked_to({0, 150}), streaks(true), all());
   EXPECT_LT(field.at<cv::Vec2f>(100, 160)[1], field.at<cv::Vec2f>(200, 160)[1]);
   EXPECT_NEAR(field.at<cv::Vec2f>(200, 260)[1] / field.at<cv::Vec2f>(200, 160)[1], 0.5, 0.01);
+}
+
+TEST(FallingFreely, FallsAsFastAsFallsDo) {
+  const auto falls = [](float speed, double played) {
+    return mean_speed_of(
+        falling_freely(everywhere({0, speed}), asked_to({0, 1}), streaks(true), all(), played), {0, 240});
+  };
+  EXPECT_NEAR(falls(40, 1), 0.35 * 320, 1.5);
+  EXPECT_NEAR(falls(20, 0.5), 0.5 * 0.35 * 320, 1) << "in slow motion";
+  EXPECT_NEAR(falls(10, 1), 40, 0.6) << "no more than four times its own";
+  EXPECT_NEAR(falls(130, 1), 130, 2);
 }
 
 TEST(FallingFreely, WhatDoesNotFallKeepsItsSpeed) {
