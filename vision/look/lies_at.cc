@@ -146,7 +146,7 @@ cv::Mat what_lies_at(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat
 
 cv::Point innermost(const cv::Mat& area) {
   cv::Mat framed, distance;
-  cv::copyMakeBorder(area, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+  cv::copyMakeBorder(area, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED, 0);
   cv::distanceTransform(framed, distance, cv::DIST_L2, 5);
   cv::Point farthest;
   cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &farthest);

@@ -166,6 +166,7 @@ TEST(LiesAt, TheInnermostPointIsFarthestFromTheOutside) {
   EXPECT_LE(cv::norm(innermost(area) - kFar), 1.5);
   area.setTo(255);  // the picture's sides are an outside
   EXPECT_NEAR(innermost(area).y, kPond.height / 2, 2);
+  EXPECT_NEAR(innermost(area(cv::Rect(0, 0, 40, 40))).y, 20, 1) << "what lies beside a part is not of it";
 }
 
 }  // namespace
