@@ -73,6 +73,7 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, 
   if (!state.held.empty()) {
     if (state.held.size() != state.matte.size() || state.held.type() != CV_8U)
       throw Error(ErrorKind::kUsage, "what is held", "CV_8U of the picture's size is expected");
+    state.request.looked_at = state.matte;
     state.matte = synth::matte::less_held(state.matte, state.held, "what is held");
   }
   query::CandidateOptions& candidates = state.request.options.candidates;

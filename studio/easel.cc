@@ -234,7 +234,8 @@ void Easel::render_small(const Document& document, const FoundMatte& matte,
   scene.motion_alone = true;
   if (cv::countNonZero(scene.matte) == 0) return;
   const LabelledPicture labelled =
-      label_picture(base, scene.picture, scene.matte, reduced(document, factor), nullptr, job);
+      label_picture(base, scene.picture, scene.matte, reduced(matte.alpha, factor), reduced(document, factor),
+                    nullptr, job);
   stop_if_asked(job);
   const int frames = std::min(document.frames, kSmallFrames);
   const auto reel =
@@ -252,7 +253,7 @@ std::shared_ptr<const LabelledPicture> Easel::find_labels(const Document& docume
   }
   const std::shared_ptr<const media::Still> still = project_->picture();
   auto labelled = std::make_shared<const LabelledPicture>(
-      label_picture(base, still->bgr, fluid_of(matte), document, cache, job));
+      label_picture(base, still->bgr, fluid_of(matte), matte.alpha, document, cache, job));
   project_->write_assignment(query::to_json(labelled->labelling.assignment));
   project_->write_recipe(document);
   std::string field;

@@ -144,8 +144,8 @@ query::LabelRequest request_of(const Document& document, cv::Size picture,
 }
 
 LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::Mat& picture,
-                              const cv::Mat& matte, const Document& document, cache::ResultCache* cache,
-                              const Job& job) {
+                              const cv::Mat& matte, const cv::Mat& whole_matte, const Document& document,
+                              cache::ResultCache* cache, const Job& job) {
   LabelledPicture labelled{.store = std::move(store),
                            .request = {},
                            .kind = {},
@@ -165,6 +165,7 @@ LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::
       document.horizon == "auto"
           ? vision::horizon_of_water(picture, matte, document.pins.empty() ? document.class_name : "")
           : std::nullopt);
+  labelled.request.looked_at = whole_matte;
   const query::PreparedLabelling prepared =
       query::prepare(snapshot, base, picture, matte, labelled.request, job.progress, job.stop, known);
   query::CandidateSearch search = query::search_candidates(snapshot, base, picture, matte, prepared.options,

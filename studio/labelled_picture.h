@@ -36,11 +36,11 @@ query::LabelRequest request_of(const Document& document, cv::Size picture,
 double own_pace(const LabelledPicture& labelled);
 
 /// Searches and labels. Pieces that are pinned have their patch, and their neighbours are chosen to fit it.
-/// picture  CV_8UC3. matte   CV_8U of its size, less what is held.
+/// picture  CV_8UC3. matte   CV_8U of its size, less what is held. whole_matte   with it: what tells the class.
 /// cache    of earlier labellings; may be null. Throws as query::label.
 LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::Mat& picture,
-                              const cv::Mat& matte, const Document& document, cache::ResultCache* cache,
-                              const Job& job);
+                              const cv::Mat& matte, const cv::Mat& whole_matte, const Document& document,
+                              cache::ResultCache* cache, const Job& job);
 
 /// Pieces, clips and figures, for the page. where   px, of the picture.
 std::string pieces_json(const LabelledPicture& labelled);

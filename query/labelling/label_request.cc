@@ -56,7 +56,8 @@ PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& bas
   options.candidates.min_duration_s = request.duration_s;
   options.guide = guide_of_animation(request, picture.size());
   if (!options.guide.direction.empty()) options.candidates.direction_deg.reset();
-  prepared.kind = choose_kind(snapshot, base, picture, matte, options.candidates);
+  prepared.kind = choose_kind(snapshot, base, picture, request.looked_at.empty() ? matte : request.looked_at,
+                              options.candidates);
   if (!may_guess(request)) return prepared;
 
   if (progress) progress({"guessing the motion", 0, 0});

@@ -27,6 +27,9 @@ struct LabelRequest {
   double duration_s = 0;
   /// Whether a direction may be guessed where nobody says one.
   bool guesses = true;
+  /// The fluid by whose look choose_kind tells the class: the matte before anything in it was held back, for a sky
+  /// without its stars looks like water. Empty: the matte.
+  cv::Mat looked_at{};
 };
 
 /// Whether both a direction for the whole picture and a guide with directions are asked: the guide holds.

@@ -33,6 +33,7 @@ cv::Mat HoldOptions::take_out(TargetFiles::Loaded& loaded) const {
     held = read.alpha;
   }
   const double before = cv::sum(loaded.matte)[0];
+  loaded.whole_matte = loaded.matte;
   loaded.matte = synth::matte::less_held(loaded.matte, held, where);
   say(fmt::format("{}: {:.0f} % of the matte is held back{}", where,
                   100 * (1 - cv::sum(loaded.matte)[0] / before),

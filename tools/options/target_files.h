@@ -34,6 +34,7 @@ struct TargetFiles {
   store::Snapshot open_store(const RunContext& context);
   struct Loaded {
     cv::Mat picture, matte;  // CV_8UC3, CV_8U
+    cv::Mat whole_matte{};   // before HoldOptions::take_out; or empty
     media::Still still;      // with all that the file holds
     bool matte_known = false;
   };

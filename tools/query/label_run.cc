@@ -49,7 +49,9 @@ query::PreparedLabelling prepare_with_progress(const store::Snapshot& snapshot, 
                                                const query::LabelRequest& request, const RunContext& context,
                                                query::LabellingMemo* memo) {
   Progress progress;
-  query::PreparedLabelling prepared = query::prepare(snapshot, base, loaded.picture, loaded.matte, request,
+  query::LabelRequest looking = request;
+  looking.looked_at = loaded.whole_matte;
+  query::PreparedLabelling prepared = query::prepare(snapshot, base, loaded.picture, loaded.matte, looking,
                                                      progress.callback(), context.stop, memo);
   progress.finish();
   if (!prepared.kind.words.empty()) say(prepared.kind.words);

@@ -66,6 +66,19 @@ TEST_F(Kinds, ASureLookTakesItsClassAloneAndSaysHowToOverruleIt) {
   EXPECT_FALSE(has(labelled(seen.options).assignment, "water"));
 }
 
+TEST_F(Kinds, WhatIsHeldBackCountsToTheLook) {
+  fill(kMixed);
+  LabelRequest request{.duration_s = .5, .guesses = false};
+  request.options.candidates.k = 8;
+  // Of the flames their black rims alone: no fire, by themselves.
+  cv::Mat rims = fire_.matte.clone(), bright;
+  cv::extractChannel(fire_.picture, bright, 2);
+  rims.setTo(0, bright > 30);
+  EXPECT_NE(prepare(*snapshot_, *base_, fire_.picture, rims, request).kind.taken, "fire");
+  request.looked_at = fire_.matte;
+  EXPECT_EQ(prepare(*snapshot_, *base_, fire_.picture, rims, request).kind.taken, "fire");
+}
+
 TEST_F(Kinds, AnyMixesAsASearchThatNamesNoClass) {
   fill(kMixed);
   const PreparedLabelling any = prepared("any");
