@@ -21,6 +21,9 @@ namespace freshet::synth::sampling {
 struct Span {
   float first, end, size;
 };
+inline Span span_of(int first, int length, int size) {
+  return {static_cast<float>(first), static_cast<float>(first + length), static_cast<float>(size)};
+}
 
 /// Of a length: a picture's rim, often of its frame, which would be seen twice where the fluid comes in.
 inline constexpr int kRims = 50;

@@ -1,6 +1,10 @@
 #include "tests/studio/running_studio.h"
 
+#include <cstdint>
+#include <vector>
+
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "tests/tools/sample.h"
 
@@ -50,8 +54,17 @@ nlohmann::json RunningStudio::json(const std::string& rest) const {
 }
 
 std::string RunningStudio::open_still(const std::string& name) const {
-  const httplib::Result answer =
-      send("POST", "api/projects?name=" + name, tools::text_of(tools::sample().still));
+  return open_file(name, tools::text_of(tools::sample().still));
+}
+
+std::string RunningStudio::open_still(const std::string& name, const cv::Mat& picture) const {
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", picture, png);
+  return open_file(name, {png.begin(), png.end()});
+}
+
+std::string RunningStudio::open_file(const std::string& name, const std::string& bytes) const {
+  const httplib::Result answer = send("POST", "api/projects?name=" + name, bytes);
   EXPECT_TRUE(answer && answer->status == 200) << (answer ? answer->body : "no answer");
   return nlohmann::json::parse(answer->body)["id"];
 }

@@ -7,6 +7,7 @@
 
 #include <httplib.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
 #include "studio/http/server.h"
 #include "studio/studio.h"
@@ -34,10 +35,14 @@ class RunningStudio {
   nlohmann::json json(const std::string& rest) const;
   /// The sample's still as a project. Returns its id.
   std::string open_still(const std::string& name = "still.png") const;
+  /// The same of this picture.
+  std::string open_still(const std::string& name, const cv::Mat& picture) const;
   /// Saves a changed document; `edit` is laid over what is there. Waits until it has been worked on.
   void draw(const std::string& project, const nlohmann::json& edit);
 
  private:
+  std::string open_file(const std::string& name, const std::string& bytes) const;
+
   tools::WorkFolder folder_;
   std::unique_ptr<Studio> studio_;
   std::unique_ptr<Server> server_;

@@ -34,9 +34,12 @@ struct TargetFiles {
   store::Snapshot open_store(const RunContext& context);
   struct Loaded {
     cv::Mat picture, matte;  // CV_8UC3, CV_8U
-    cv::Mat whole_matte{};   // before HoldOptions::take_out; or empty
+    cv::Mat whole_matte{};   // before HoldOptions::take_out; empty: nothing was taken out
     media::Still still;      // with all that the file holds
     bool matte_known = false;
+
+    /// The fluid that tells the class (LabelRequest::looked_at).
+    const cv::Mat& looked_at() const { return whole_matte.empty() ? matte : whole_matte; }
   };
   /// Reads both; says what had to be changed about them. Without a matte the picture's alpha is it; without that
   /// the whole picture is fluid.

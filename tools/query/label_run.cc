@@ -50,7 +50,7 @@ query::PreparedLabelling prepare_with_progress(const store::Snapshot& snapshot, 
                                                query::LabellingMemo* memo) {
   Progress progress;
   query::LabelRequest looking = request;
-  looking.looked_at = loaded.whole_matte;
+  looking.looked_at = loaded.looked_at();
   query::PreparedLabelling prepared = query::prepare(snapshot, base, loaded.picture, loaded.matte, looking,
                                                      progress.callback(), context.stop, memo);
   progress.finish();

@@ -145,8 +145,7 @@ ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapsho
                             chosen.assignment.picture.width, chosen.assignment.picture.height,
                             command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
                 "Label this picture with freshet query label");
-  chosen.kind.look = vision::fluid_kind(
-      vision::fluid_look(loaded.picture, loaded.whole_matte.empty() ? loaded.matte : loaded.whole_matte));
+  chosen.kind.look = vision::fluid_kind(vision::fluid_look(loaded.picture, loaded.looked_at()));
   say_shares(chosen.assignment);
   return chosen;
 }

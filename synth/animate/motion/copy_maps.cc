@@ -92,10 +92,6 @@ FRESHET_WIDE void find_row(const float* from, float y, const sampling::Span& acr
   }
 }
 
-sampling::Span span(int first, int length, int size) {
-  return {static_cast<float>(first), static_cast<float>(first + length), static_cast<float>(size)};
-}
-
 /// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it. `whole` itself is one.
 int nearest_divisor(int whole, int wanted) {
   int best = whole;
@@ -339,7 +335,8 @@ cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv:
           within(from.size(), CV_32FC2), known(from.size(), CV_32F);
   const cv::Mat& all = everywhere_.all;
   const cv::Rect& own = everywhere_.picture;
-  const sampling::Span across = span(own.x, own.width, all.cols), down = span(own.y, own.height, all.rows);
+  const sampling::Span across = sampling::span_of(own.x, own.width, all.cols),
+                       down = sampling::span_of(own.y, own.height, all.rows);
   for (int y = 0; y < from.rows; ++y)
     find_row(from.ptr<float>(y), static_cast<float>(y), across, down, from.cols, within.ptr<float>(y),
              known.ptr<float>(y));

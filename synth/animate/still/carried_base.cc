@@ -34,7 +34,8 @@ FRESHET_WIDE void mix_rows(const float* upper, const float* lower, float down, i
   for (int i = 0; i < n; ++i) out[i] = upper[i] + down * (lower[i] - upper[i]);
 }
 
-// Values of a map at a row's places, from one sample before the first: four between each two.
+// Values of a map at a row's places, from one sample before the first: four between each two. Up to three more are
+// written, which the next row overwrites.
 FRESHET_WIDE void values(const float* mixed, int n, float* out) {
   static_assert(CarriedBase::kStep == 4);
   for (int k = 0; 4 * k < n; ++k) {
@@ -277,12 +278,8 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
   s.mass.fill(0);
   s.colours.fill(0);
   limit_weights(cell, half, s);
-  const auto span = [](int first, int length, int size) {
-    return sampling::Span{static_cast<float>(first), static_cast<float>(first + length),
-                          static_cast<float>(size)};
-  };
-  const sampling::Span across = span(picture_.x, size_.width, fluid_.cols - 2 * kMargin),
-                       down = span(picture_.y, size_.height, fluid_.rows - 2 * kMargin);
+  const sampling::Span across = sampling::span_of(picture_.x, size_.width, fluid_.cols - 2 * kMargin),
+                       down = sampling::span_of(picture_.y, size_.height, fluid_.rows - 2 * kMargin);
   for (const Copy& copy : copies) {
     // Where each place of the cell comes from, and how far it shows.
     const int before = cell.x / kStep - 1, left = std::max(before, 0),

@@ -271,10 +271,13 @@ Planes continued_right(const Planes& planes, int added) {
   const double light = std::max(rows, end) / kLight;
   Planes out;
   for (std::size_t k = 0; k < out.size(); ++k) {
-    // Light and colour of so wide a place stay the side's.
-    cv::Mat wide;
-    cv::GaussianBlur(mirror[k] - joined[k], wide, {}, light);
-    const cv::Mat lit = k == kMatte || k == kTrusted ? joined[k] : cv::Mat(joined[k] + wide);
+    cv::Mat lit = joined[k];
+    if (k != kMatte && k != kTrusted) {
+      // Light and colour of so wide a place stay the side's.
+      cv::Mat wide;
+      cv::GaussianBlur(mirror[k] - lit, wide, {}, light);
+      lit += wide;
+    }
     cv::Mat beyond = lit.colRange(compared, compared + added);
     // Wide bands reach over the side: the rest of that goes within the seam's band.
     const cv::Mat step = planes[k].col(end - 1) - lit.col(compared - 1);
@@ -343,7 +346,8 @@ ContinuedFluid continued(const FluidPlanes& planes, const cv::Mat& matte, const 
   const Planes own{planes.luma, planes.blue, planes.red, planes.trusted, matte};
   Planes all = each(own, [&](const cv::Mat& of) { return of(within); });
   all = continued_across(all, by.left - left, by.right - right);
-  all = transposed(continued_across(transposed(all), by.top - top, by.bottom - bottom));
+  if (by.top + by.bottom > 0)
+    all = transposed(continued_across(transposed(all), by.top - top, by.bottom - bottom));
   struct Part {
     int first, from, length;  // where it lies, and where in what was made without the rims
   };

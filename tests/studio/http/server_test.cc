@@ -722,12 +722,7 @@ TEST_F(Server, WhatLooksAsIfItStoodIsOfferedUntilItIsHeld) {
   cv::RNG(1).fill(rough, cv::RNG::UNIFORM, 0, 90);
   cv::merge(std::vector<cv::Mat>{rough, rough + 25, rough + 15}, picture);
   picture.colRange(100, 220).setTo(cv::Scalar(170, 140, 110));
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", picture, png);
-  const httplib::Result opened =
-      running().send("POST", "api/projects?name=stream.png", std::string(png.begin(), png.end()));
-  ASSERT_EQ(status(opened), 200);
-  const std::string id = Json::parse(opened->body)["id"], at = "api/projects/" + id + "/standing";
+  const std::string id = running().open_still("stream.png", picture), at = "api/projects/" + id + "/standing";
   EXPECT_EQ(status(running().get(at)), 404) << "there is no matte yet";
   const Json area{
       {"points", {{100, 0}, {226, 0}, {226, 240}, {100, 240}}}, {"width", 0}, {"adds", true}, {"area", true}};
@@ -749,12 +744,7 @@ TEST_F(Server, WhatLooksAsIfItStoodIsOfferedUntilItIsHeld) {
 TEST_F(Server, AClickHoldsWhatLiesThereUpToItsSizeAndLetsItGo) {
   cv::Mat picture(240, 320, CV_8UC3, cv::Scalar(170, 140, 110));
   cv::circle(picture, {200, 120}, 20, cv::Scalar(40, 90, 60), cv::FILLED);
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", picture, png);
-  const httplib::Result opened =
-      running().send("POST", "api/projects?name=lily.png", std::string(png.begin(), png.end()));
-  ASSERT_EQ(status(opened), 200);
-  const std::string id = Json::parse(opened->body)["id"], at = "api/projects/" + id + "/standing";
+  const std::string id = running().open_still("lily.png", picture), at = "api/projects/" + id + "/standing";
   const auto click = [&](int x, int y, double size, const Json& held) {
     return running().send("POST", at, Json{{"x", x}, {"y", y}, {"size", size}, {"held", held}}.dump());
   };
