@@ -109,16 +109,6 @@ struct OwnTongue {
   double later = 0;  // s: where in the clip it begins, so that tongues do not sway in step
 };
 
-/// How much a flame sways from frame to frame.
-double unrest(const TongueCourse& course) {
-  double sum = 0;
-  for (std::size_t i = 1; i < course.sways.size(); ++i) {
-    const Sway &a = course.sways[i - 1], &b = course.sways[i];
-    sum += std::abs(b.lean - a.lean) + std::abs(b.bow - a.bow) + std::abs(b.stretch - a.stretch);
-  }
-  return sum / static_cast<double>(course.sways.size());
-}
-
 /// The course of the clip whose flame is a tongue in most frames; among equals, of the calmest.
 std::optional<TongueCourse> course_like(const Animation& animation, std::span<const store::ClipId> clips) {
   const store::Snapshot& snapshot = animation.snapshot;
@@ -128,7 +118,7 @@ std::optional<TongueCourse> course_like(const Animation& animation, std::span<co
     const std::optional<TongueCourse> look = course_of(clip_forms(snapshot, clip, kCourseLook));
     if (!look) continue;
     if (!best || look->tongue > best->tongue ||
-        (look->tongue == best->tongue && unrest(*look) < unrest(*best)))
+        (look->tongue == best->tongue && look->unrest() < best->unrest()))
       best = look;
   }
   return best ? course_of(clip_forms(snapshot, best->clip, kCourseFrames)) : best;
@@ -297,6 +287,7 @@ class OwnFlames final : public Renderer {
     if (tongues.empty()) return {};
     course_ = course_like(animation_, options_.clips);
     if (!course_) return {};
+    course_ = halfway_to_usual(*std::move(course_));
     animation_.report.tongues = tongues.size();
     animation_.report.sways_as = course_->clip;
     double part = 0;

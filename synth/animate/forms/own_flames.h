@@ -27,7 +27,7 @@ struct OwnFlamesOptions {
 /// clips' do; below its bed lies its mirror image, so that a foot burns on. Its colour follows the picture's curve over
 /// level (LightColours), so a flame that gets darker turns red, not grey. Logs, rims and embers do not move.
 /// A flame of one tongue (tongues_of) is not carried but sways as a whole, as the flame of a clip did; of the first
-/// kCourseClips clips that which is a tongue itself most often, or the calmest.
+/// kCourseClips clips that which is a tongue itself most often, or the calmest; as restless as halfway_to_usual.
 /// Frame 0 is the picture.
 /// parted  of this picture, with contrast.
 std::unique_ptr<Renderer> own_flames(Animation& animation, const StillPart& still, PartedStill parted,

@@ -35,6 +35,11 @@ struct Stance {
   double lean = 0, bow = 0, height = 0;
 };
 
+Sway bounded(double lean, double bow, double stretch) {
+  return {std::clamp(lean, -kMostSway, kMostSway), std::clamp(bow, -kMostSway, kMostSway),
+          std::clamp(stretch, kLowest, kHighest)};
+}
+
 Stance stance_of(const cv::Mat& level, const Seat& seat) {
   const int left = static_cast<int>(seat.first), right = static_cast<int>(seat.last);
   const int bed = std::clamp(static_cast<int>(std::lround(seat.bed)), 0, level.rows - 1);
@@ -258,6 +263,22 @@ Sway TongueCourse::at(double seconds) const {
           a.stretch + more * (b.stretch - a.stretch)};
 }
 
+double TongueCourse::unrest() const {
+  double sum = 0;
+  for (std::size_t i = 1; i < sways.size(); ++i) {
+    const Sway &a = sways[i - 1], &b = sways[i];
+    sum += std::abs(b.lean - a.lean) + std::abs(b.bow - a.bow) + std::abs(b.stretch - a.stretch);
+  }
+  return fps * sum / static_cast<double>(sways.size());
+}
+
+TongueCourse halfway_to_usual(TongueCourse course) {
+  const double unrest = course.unrest(), times = unrest > 0 ? std::sqrt(kUsualUnrest / unrest) : 1;
+  for (Sway& sway : course.sways)
+    sway = bounded(times * sway.lean, times * sway.bow, 1 + times * (sway.stretch - 1));
+  return course;
+}
+
 namespace {
 
 /// Of kLooks frames, in how many the clip has a tongue.
@@ -293,9 +314,8 @@ std::optional<TongueCourse> course_of(const ClipForms& forms) {
   for (std::vector<double>* values : {&leans, &bows, &heights}) smooth(*values);
   TongueCourse course{.clip = forms.clip, .fps = forms.fps, .sways = {}, .tongue = tongue_share(forms)};
   for (std::size_t i = 0; i < leans.size(); ++i)
-    course.sways.push_back({std::clamp((leans[i] - lean) / height, -kMostSway, kMostSway),
-                            std::clamp((bows[i] - bow) / height, -kMostSway, kMostSway),
-                            std::clamp(heights[i] / height, kLowest, kHighest)});
+    course.sways.push_back(
+        bounded((leans[i] - lean) / height, (bows[i] - bow) / height, heights[i] / height));
   return course;
 }
 

@@ -44,7 +44,14 @@ struct TongueCourse {
   std::vector<Sway> sways;  // by frame
   double tongue = 0;        // of the clip's frames, 0..1, those with a flame of one tongue
   Sway at(double seconds) const;
+  /// Of its height a second: how far lean, bow and stretch change from frame to frame, together.
+  double unrest() const;
 };
+
+/// As one flame sways tells little of how much another does: the same course, its sways so much wider or narrower that
+/// it is, by octaves, halfway as restless as flames usually are. Within the bounds of course_of.
+TongueCourse halfway_to_usual(TongueCourse course);
+inline constexpr double kUsualUnrest = 0.9;  // heights a second: two candles' geometric mean (.26 and 3.3)
 
 /// Of the clip's largest flame, frame by frame, about its median: axis by least squares over rows, by their light;
 /// height where all but a fortieth of it is below. Leans are cut off at kMostSway, heights at .6 and 1.6.

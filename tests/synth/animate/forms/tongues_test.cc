@@ -121,6 +121,22 @@ TEST(TongueCourse, GoesBackAsItCame) {
   EXPECT_EQ(course.at(3).lean, 0);
 }
 
+TEST(TongueCourse, ComesHalfwayToAsRestlessAsFlamesUsuallyAre) {
+  for (const double lean : {0.002, 0.2}) {
+    TongueCourse course{.clip = {}, .fps = 10, .sways = {}, .tongue = 1};
+    for (int i = 0; i < 40; ++i)
+      course.sways.push_back({.lean = i % 2 == 0 ? lean : -lean, .bow = 0, .stretch = 1});
+    const double unrest = 10 * 39 * 2 * lean / 40;
+    EXPECT_NEAR(course.unrest(), unrest, 1e-9);
+    EXPECT_NEAR(halfway_to_usual(course).unrest(), std::sqrt(unrest * kUsualUnrest), 1e-9);
+  }
+  TongueCourse tall{
+      .clip = {}, .fps = 10, .sways = {{.lean = 0, .bow = 0, .stretch = 1.01}, {}}, .tongue = 1};
+  EXPECT_NEAR(halfway_to_usual(tall).sways[0].stretch, 1 + 0.01 * std::sqrt(kUsualUnrest / 0.05), 1e-9);
+  tall.sways = {{}, {}};
+  EXPECT_EQ(halfway_to_usual(tall).unrest(), 0);
+}
+
 TEST(TongueCourse, OfAClipThatDoesNotShineIsNone) {
   ClipForms dark{};
   dark.levels.emplace_back(cv::Mat::zeros(kPictureSize, CV_8U));
