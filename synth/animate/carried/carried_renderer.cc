@@ -55,6 +55,10 @@ constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
 constexpr double kSparkleLife_s = 0.2, kSparkleTravel_px = 0.8, kSparkleSpread_px = 30, kSparklePatch = 2,
                  kSparkleEdge_px = 8;
 constexpr const char* kWater = "water";  // the class of fluid that falls, and glitters
+// Lives in the clips are those of what the flow follows, less noise. On water much is glint or ripple that goes its own
+// way and comes anew sooner: there copies live for this share of them, but no shorter than footage's own half-life of
+// detail (.28 s), or a sea turns to crumbs (docs/measurements/quality.md).
+constexpr double kFollowed = 0.4, kLeastFollowed_s = 0.25;
 // How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
 // clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From kWhole* on they go without shear, from
 // kBodies* on with their light and colour.
@@ -206,7 +210,10 @@ class CarriedRenderer final : public Renderer {
     if (half_life_s_ == 0) {
       const double faster =
           std::pow(pace(still_.assigned_motion, carried_motion_, animation_.matte), options_.life_pace);
-      half_life_s_ = std::clamp(lives.overall_s / faster, kMinHalfLife_s, kMaxHalfLife_s);
+      double life_s = lives.overall_s / faster;
+      if (places_class(animation_, kWater))
+        life_s = std::max(kFollowed * life_s, std::min(life_s, kLeastFollowed_s));
+      half_life_s_ = std::clamp(life_s, kMinHalfLife_s, kMaxHalfLife_s);
     }
     animation_.report.half_life_s = half_life_s_;
   }

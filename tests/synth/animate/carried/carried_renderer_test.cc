@@ -17,18 +17,17 @@ namespace {
 const cv::Point kFrom{40, 50};
 constexpr int kFrames = 25, kStep_px = 2;
 
-/// Frames of a picture, a second of a clip that goes right and whose forms live so long; upper pieces play it as fast
-/// as filmed, those below at `lower` times that.
-std::vector<cv::Mat> a_second_of(const cv::Mat& picture, float life_s, double lower = 1,
-                                 std::function<void(const cv::Mat&)> motion = {},
-                                 const CarriedOptions& carried = {}) {
+/// A picture by a second of a clip that goes right and whose forms live so long; upper pieces play it as fast as
+/// filmed, those below at `lower` times that.
+AnimateReport animate_second(const cv::Mat& picture, float life_s, double lower, const char* class_name,
+                             const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink) {
   const FlowingStore store({measured({.frames = kFrames + 1,
                                       .steady = {kStep_px, 0},
                                       .varying = 0,
                                       .drawn = [](int) { return cv::Mat(110, 150, CV_8U, cv::Scalar(100)); },
+                                      .class_name = class_name,
                                       .life = living(life_s)})});
   Placement placement{.side = 48, .stride = 24, .patches = {}};
-  std::vector<cv::Mat> frames;
   for (int y = 0; y + 48 <= picture.rows; y += 24)
     for (int x = 0; x + 48 <= picture.cols; x += 24)
       placement.patches.push_back({.piece = {x, y},
@@ -36,12 +35,20 @@ std::vector<cv::Mat> a_second_of(const cv::Mat& picture, float life_s, double lo
                                    .variant = {},
                                    .patch = {x % 96, y},
                                    .speed = y < 24 ? 1 : lower});
+  return animate(store.snapshot(), store.settings(), picture, cv::Mat(picture.size(), CV_8U, cv::Scalar(255)),
+                 placement, options, sink);
+}
+
+std::vector<cv::Mat> a_second_of(const cv::Mat& picture, float life_s, double lower = 1,
+                                 std::function<void(const cv::Mat&)> motion = {},
+                                 const CarriedOptions& carried = {}) {
+  std::vector<cv::Mat> frames;
   AnimateOptions options;
   options.frames = kFrames;
   options.method = carried;
   options.motion_sink = std::move(motion);
-  animate(store.snapshot(), store.settings(), picture, cv::Mat(picture.size(), CV_8U, cv::Scalar(255)),
-          placement, options, [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
+  animate_second(picture, life_s, lower, "water", options,
+                 [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
   return frames;
 }
 
@@ -75,6 +82,18 @@ TEST(CarriedRenderer, BodiesAreNotShearedWherePatchesWentAtOtherSpeeds) {
   };
   EXPECT_LT(faster_above(6), 0.5);
   EXPECT_GT(faster_above(0.1f), 1) << "what lives briefly may";
+}
+
+TEST(CarriedRenderer, OfWatersDetailLessIsFollowedThanLives) {
+  const auto half_life_s = [](const char* class_name, float life_s) {
+    AnimateOptions options;
+    options.frames = 2;
+    return animate_second(sky(144), life_s, 1, class_name, options, [](const cv::Mat&) {}).half_life_s;
+  };
+  EXPECT_NEAR(half_life_s("smoke", 1), 1, 0.01);
+  EXPECT_NEAR(half_life_s("water", 1), 0.4, 0.01);
+  EXPECT_NEAR(half_life_s("water", 0.5f), 0.25, 0.01);
+  EXPECT_NEAR(half_life_s("water", 0.2f), 0.2, 0.01);
 }
 
 /// Dark water on which light stands: crumbs of it between these columns.
