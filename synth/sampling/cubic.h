@@ -57,36 +57,4 @@ inline constexpr CubicWeights kCubic = cubic_weights();
   }
 }
 
-/// The same of a plane of pairs, whose offset and stride count pairs: firsts into
-/// `out`, seconds into `second`.
-[[gnu::always_inline]] inline void cubic_pairs(const float* plane, std::ptrdiff_t offset,
-                                               std::ptrdiff_t stride, const std::int32_t* x,
-                                               const std::int32_t* y, int n, float* out, float* second) {
-  typedef float Eight __attribute__((vector_size(32)));
-  typedef float UnalignedEight __attribute__((vector_size(32), aligned(4), may_alias));
-  constexpr int kRun = 64;
-  alignas(64) float products[8 * kRun];
-  for (int first = 0; first < n; first += kRun) {
-    const int count = n - first < kRun ? n - first : kRun;
-    for (int i = 0; i < count; ++i) {
-      const std::int32_t px = x[first + i], py = y[first + i];
-      const float* from = plane + 2 * (offset + ((py >> kCubicShift) - 1) * stride + (px >> kCubicShift) - 1);
-      const auto& wy = kCubic.of[py & (kCubicSteps - 1)];
-      const auto& wx = kCubic.of[px & (kCubicSteps - 1)];
-      Eight sum;
-      sum = (*reinterpret_cast<const UnalignedEight*>(from) * wy[0] +
-             *reinterpret_cast<const UnalignedEight*>(from + 2 * stride) * wy[1]) +
-            (*reinterpret_cast<const UnalignedEight*>(from + 4 * stride) * wy[2] +
-             *reinterpret_cast<const UnalignedEight*>(from + 6 * stride) * wy[3]);
-      const Eight twice{wx[0], wx[0], wx[1], wx[1], wx[2], wx[2], wx[3], wx[3]};
-      *reinterpret_cast<Eight*>(products + 8 * i) = sum * twice;
-    }
-    for (int i = 0; i < count; ++i) {
-      const float* p = products + 8 * i;
-      out[first + i] = (p[0] + p[2]) + (p[4] + p[6]);
-      second[first + i] = (p[1] + p[3]) + (p[5] + p[7]);
-    }
-  }
-}
-
 }  // namespace freshet::synth::sampling

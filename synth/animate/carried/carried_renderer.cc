@@ -461,7 +461,7 @@ class CarriedRenderer final : public Renderer {
   void add_sparkles(int output, Carried& to) const {
     const std::vector<CopyMap> copies = sparkle_copies_->at(output);
     cv::Mat brought;
-    show_carried(sparkle_base_->frame(copies), cv::Mat::zeros(to.luma.size(), CV_32F), brought);
+    show_carried(sparkle_base_->frame(copies), {}, brought);
     glitter_->add(brought, copies, CarriedBase::kStep, to.luma, to.frame ? &*to.frame : nullptr);
   }
 
@@ -488,7 +488,7 @@ class CarriedRenderer final : public Renderer {
   cv::Mat carry_texture(int output, double anew) {
     const std::vector<CopyMap> copies = texture_copies_->at(output);
     cv::Mat luma;
-    show_carried(texture_base_->frame(copies), cv::Mat::zeros(still_.luma.size(), CV_32F), luma);
+    show_carried(texture_base_->frame(copies), {}, luma);
     LostContrastOptions contrast = options_.contrast;
     contrast.max_gain = std::max(contrast.max_gain, kMaxTextureGain);
     lay_texture(luma, copies, CarriedBase::kStep, renewed_shares(layout_->levels(), anew), renewing_,

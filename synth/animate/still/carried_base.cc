@@ -25,25 +25,53 @@ constexpr float kEnough = 4;         // of a place's weight, a quarter may be br
 constexpr float kDeeper = 4;
 constexpr float kMinShare = 1.0f / 8192;  // of a copy, anywhere in a cell
 constexpr float kMinMass = 1e-4f;         // so that values are there also where none of it is fluid
-const cv::Size kCell(32, 16);
-constexpr int kCellArea = 32 * 16;
+constexpr int kCellWidth = 32, kCellHeight = 16, kCellArea = kCellWidth * kCellHeight;
+// Of a map: columns around a cell, from one before it, and what it is continued by to the right.
+constexpr int kGroups = kCellWidth / CarriedBase::kStep, kAcross = kGroups + 2, kAfter = kGroups + 1;
+constexpr int kBlock = 8;   // px, in which it is told whether all is fluid
 constexpr int kMargin = 4;  // samples around the planes: of what is read at once, two beyond a picture's edge
 
-// Where a row's places lie on the coarse maps: a row of one component between two of their rows.
-FRESHET_WIDE void mix_rows(const float* upper, const float* lower, float down, int n, float* out) {
-  for (int i = 0; i < n; ++i) out[i] = upper[i] + down * (lower[i] - upper[i]);
+struct Range {
+  float least, most;
+};
+
+// Of a map's samples around a cell.
+FRESHET_WIDE Range range_of(const float* map, std::ptrdiff_t stride, int rows) {
+  std::array<float, kAcross> least, most;
+  for (int x = 0; x < kAcross; ++x) least[x] = most[x] = map[x];
+  for (int y = 1; y < rows; ++y)
+    for (int x = 0; x < kAcross; ++x) {
+      const float at = map[y * stride + x];
+      least[x] = at < least[x] ? at : least[x];
+      most[x] = at > most[x] ? at : most[x];
+    }
+  static_assert(kAcross == 10);
+  for (const int half : {5, 3, 2, 1})
+    for (int x = 0; x < half; ++x) {
+      const int other = x + half;
+      least[x] = least[other] < least[x] ? least[other] : least[x];
+      most[x] = most[other] > most[x] ? most[other] : most[x];
+    }
+  return {least[0], most[0]};
 }
 
-// Values of a map at a row's places, from one sample before the first: four between each two. Up to three more are
-// written, which the next row overwrites.
-FRESHET_WIDE void values(const float* mixed, int n, float* out) {
+// A map at a cell's places: between two of its rows, then four between each two samples. rows, down: by row of the
+// cell, the map's before it and how far it lies beyond that. Up to a cell's whole width is written, which the next row
+// overwrites.
+FRESHET_WIDE void widen(const float* map, std::ptrdiff_t stride, const std::int32_t* rows, const float* down,
+                        const cv::Rect& cell, float* out) {
   static_assert(CarriedBase::kStep == 4);
-  for (int k = 0; 4 * k < n; ++k) {
-    const float before = mixed[k + 1] - mixed[k], after = mixed[k + 2] - mixed[k + 1];
-    out[4 * k] = mixed[k] + 0.625f * before;
-    out[4 * k + 1] = mixed[k] + 0.875f * before;
-    out[4 * k + 2] = mixed[k + 1] + 0.125f * after;
-    out[4 * k + 3] = mixed[k + 1] + 0.375f * after;
+  for (int y = 0; y < cell.height; ++y, out += cell.width) {
+    const float *upper = map + (rows[y] - rows[0]) * stride, *lower = upper + stride;
+    std::array<float, kAcross> mixed;
+    for (int x = 0; x < kAcross; ++x) mixed[x] = upper[x] + down[y] * (lower[x] - upper[x]);
+    for (int k = 0; k < kGroups; ++k) {
+      const float before = mixed[k + 1] - mixed[k], after = mixed[k + 2] - mixed[k + 1];
+      out[4 * k] = mixed[k] + 0.625f * before;
+      out[4 * k + 1] = mixed[k] + 0.875f * before;
+      out[4 * k + 2] = mixed[k + 1] + 0.125f * after;
+      out[4 * k + 3] = mixed[k + 1] + 0.375f * after;
+    }
   }
 }
 
@@ -52,23 +80,17 @@ FRESHET_WIDE void values(const float* mixed, int n, float* out) {
          2 * sampling::kCubicSteps;
 }
 
-// Sources of a row's places, in steps (cubic.h) of the planes: `away` from their own, origin + step i.
-FRESHET_WIDE void sources(const float* away, int origin, int step, const sampling::Span& picture, int n,
+// Sources of a row's places, in steps (cubic.h) of the planes: `away` from their own, origin + step i. inside: none of
+// them needs to be looked for beyond the picture.
+FRESHET_WIDE void sources(const float* away, int origin, int step, const sampling::Span& picture, bool inside,
                           std::int32_t* out) {
-  float least = away[0], most = away[0];
-  for (int i = 1; i < n; ++i) {
-    least = away[i] < least ? away[i] : least;
-    most = away[i] > most ? away[i] : most;
-  }
-  const float rim = (picture.end - picture.first) / sampling::kRims;
-  if (static_cast<float>(origin) + least >= picture.first + rim &&
-      static_cast<float>(origin + step * (n - 1)) + most < picture.end - rim - 1) {
+  if (inside) {
 #pragma GCC ivdep
-    for (int i = 0; i < n; ++i) out[i] = steps_of(static_cast<float>(origin + step * i) + away[i]);
+    for (int i = 0; i < kCellWidth; ++i) out[i] = steps_of(static_cast<float>(origin + step * i) + away[i]);
     return;
   }
 #pragma GCC ivdep
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < kCellWidth; ++i) {
     const auto own = static_cast<float>(origin + step * i);
     out[i] = steps_of(sampling::carried_from(own + away[i], own, picture));
   }
@@ -83,10 +105,9 @@ FRESHET_WIDE void half_sources(const std::int32_t* upper, const std::int32_t* lo
   }
 }
 
-FRESHET_WIDE void read_pairs(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
-                             const std::int32_t* x, const std::int32_t* y, int n, float* luma,
-                             float* weight) {
-  sampling::cubic_pairs(plane, offset, stride, x, y, n, luma, weight);
+FRESHET_WIDE void read(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
+                       const std::int32_t* x, const std::int32_t* y, int n, float* out) {
+  sampling::cubic(plane, offset, stride, x, y, n, out);
 }
 
 FRESHET_WIDE void add_copy(const float* luma, const float* weight, const float* most, const float* share,
@@ -162,6 +183,21 @@ FRESHET_WIDE void lay_over(const std::int16_t* luma, const float* fraction, cons
     out[i] = still[i] + fraction[i] * (kUnit * static_cast<float>(luma[i]) - still[i]);
 }
 
+/// Whether a cell's sources on one axis need not be looked for beyond the picture. away: from their own.
+bool within(const Range& away, int first, int length, const sampling::Span& picture) {
+  const float rim = (picture.end - picture.first) / sampling::kRims;
+  return static_cast<float>(first) + away.least >= picture.first + rim &&
+         static_cast<float>(first + length - 1) + away.most < picture.end - rim - 1;
+}
+
+/// Samples of a plane with its margin that are read for such a cell.
+cv::Rect reached(const cv::Rect& cell, const Range& x, const Range& y) {
+  constexpr int kBeside = 3;
+  const cv::Point from(cvFloor(x.least) - kBeside, cvFloor(y.least) - kBeside),
+      to(cvCeil(x.most) + kBeside, cvCeil(y.most) + kBeside);
+  return {cell.tl() + from + cv::Point(kMargin, kMargin), cell.br() + to + cv::Point(kMargin, kMargin)};
+}
+
 }  // namespace
 
 struct CarriedBase::Scratch {
@@ -169,7 +205,7 @@ struct CarriedBase::Scratch {
   std::array<float, kCellArea> luma, weight, share, half_share, sum, mass;
   std::array<float, kCellArea> most, half_most;      // weight that counts
   alignas(16) std::array<float, kCellArea> colours;  // fours, of a quarter as many places
-  std::array<float, 32> mixed, away;
+  std::array<float, kCellArea> u, v;                 // how far away a copy's places lie
 };
 
 CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& options,
@@ -188,8 +224,8 @@ CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& 
   depth /= std::max(options.edge_px, 1.0);
   const cv::Mat weight = matte.mul(cv::min(cv::max(depth, kMinDepth), 1.0));
 
-  for (const cv::Rect& cell :
-       sampling::cells_touched(std::vector{cv::Rect({}, size_)}, cv::Rect({}, size_), kCell)) {
+  for (const cv::Rect& cell : sampling::cells_touched(std::vector{cv::Rect({}, size_)}, cv::Rect({}, size_),
+                                                      {kCellWidth, kCellHeight})) {
     // Fractions are read between samples: what is next to a cell reaches into it.
     const cv::Rect around =
         cv::Rect(cell.x - 2, cell.y - 2, cell.width + 4, cell.height + 4) & cv::Rect({}, size_);
@@ -204,9 +240,14 @@ CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& 
     cv::copyMakeBorder(of, wider, kMargin, kMargin + after, kMargin, kMargin + after, cv::BORDER_REFLECT);
     return wider;
   };
-  cv::merge(
-      std::vector<cv::Mat>{with_margin(carries_colour_ ? plane[0] : texture, 0), with_margin(weight, 0)},
-      fluid_);
+  luma_ = with_margin(carries_colour_ ? plane[0] : texture, 0);
+  weight_ = with_margin(weight, 0);
+  const cv::Size blocks((weight_.cols + kBlock - 1) / kBlock, (weight_.rows + kBlock - 1) / kBlock);
+  cv::Mat faded;
+  cv::copyMakeBorder(weight_ < 1, faded, 0, kBlock * blocks.height - weight_.rows, 0,
+                     kBlock * blocks.width - weight_.cols, cv::BORDER_REPLICATE);
+  cv::resize(faded, faded, blocks, 0, 0, cv::INTER_AREA);
+  cv::integral(faded > 0, faded_, CV_32S);
   const auto halved = [](const cv::Mat& of) {
     // Odd sizes end in half a sample: the edge goes on.
     cv::Mat even, out;
@@ -248,22 +289,35 @@ CarriedFrame CarriedBase::frame(std::span<const CopyMap> copies) const {
                    .blue = cv::Mat::zeros(half_, CV_16S),
                    .red = cv::Mat::zeros(half_, CV_16S),
                    .fraction = cv::Mat::zeros(half_, CV_16S)};
+  // Cells read on beyond the maps.
+  const auto continued = [](const cv::Mat& map) {
+    cv::Mat wider;
+    cv::copyMakeBorder(map, wider, 0, 1, 1, kAfter, cv::BORDER_REPLICATE);
+    return wider;
+  };
   std::vector<Copy> shown;
   for (const CopyMap& copy : copies) {
     std::array<cv::Mat, 2> parts;
     cv::split(copy.source, parts.data());
-    shown.push_back({copy.weight, parts[0], parts[1]});
+    shown.push_back({continued(copy.weight), continued(parts[0]), continued(parts[1])});
   }
   Scratch scratch;
   for (const cv::Rect& cell : cells_) carry(cell, shown, out, scratch);
   return out;
 }
 
+bool CarriedBase::whole(const cv::Rect& read) const {
+  const int left = read.x / kBlock, top = read.y / kBlock, right = (read.br().x - 1) / kBlock + 1,
+            bottom = (read.br().y - 1) / kBlock + 1;
+  return faded_.at<std::int32_t>(bottom, right) - faded_.at<std::int32_t>(bottom, left) -
+             faded_.at<std::int32_t>(top, right) + faded_.at<std::int32_t>(top, left) ==
+         0;
+}
+
 void CarriedBase::limit_weights(const cv::Rect& cell, const cv::Rect& half, Scratch& s) const {
   for (int row = 0; row < cell.height; ++row) {
-    const auto* own =
-        fluid_.ptr<cv::Vec2f>(picture_.y + cell.y + row + kMargin) + picture_.x + cell.x + kMargin;
-    for (int x = 0; x < cell.width; ++x) s.most[row * cell.width + x] = kDeeper * own[x][1];
+    const auto* own = weight_.ptr<float>(picture_.y + cell.y + row + kMargin) + picture_.x + cell.x + kMargin;
+    for (int x = 0; x < cell.width; ++x) s.most[row * cell.width + x] = kDeeper * own[x];
   }
   for (int row = 0; row < half.height; ++row) {
     const auto* own = own_.ptr<float>(half.y + row) + half.x;
@@ -278,36 +332,35 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
   s.mass.fill(0);
   s.colours.fill(0);
   limit_weights(cell, half, s);
-  const sampling::Span across = sampling::span_of(picture_.x, size_.width, fluid_.cols - 2 * kMargin),
-                       down = sampling::span_of(picture_.y, size_.height, fluid_.rows - 2 * kMargin);
+  const sampling::Span across = sampling::span_of(picture_.x, size_.width, luma_.cols - 2 * kMargin),
+                       down = sampling::span_of(picture_.y, size_.height, luma_.rows - 2 * kMargin);
+  const cv::Rect own = cell + picture_.tl();
+  const int top = map_y_[cell.y], rows = map_y_[cell.y + cell.height - 1] + 2 - top;
   for (const Copy& copy : copies) {
     // Where each place of the cell comes from, and how far it shows.
-    const int before = cell.x / kStep - 1, left = std::max(before, 0),
-              samples = std::min(before + (cell.width + kStep - 1) / kStep + 2, copy.u.cols) - left;
-    double most = 0;
-    const int top = map_y_[cell.y], bottom = std::min(map_y_[cell.y + cell.height - 1] + 2, copy.u.rows);
-    cv::minMaxLoc(copy.weight(cv::Rect(left, top, samples, bottom - top)), nullptr, &most);
-    if (most < kMinShare) continue;
+    const auto stride = static_cast<std::ptrdiff_t>(copy.u.cols);
+    const auto at = [&](const cv::Mat& map) { return map.ptr<float>(top) + cell.x / kStep; };
+    if (range_of(at(copy.weight), stride, rows).most < kMinShare) continue;
+    const Range x = range_of(at(copy.u), stride, rows), y = range_of(at(copy.v), stride, rows);
+    const bool within_x = within(x, own.x, cell.width, across),
+               within_y = within(y, own.y, cell.height, down);
+    const auto widened = [&](const cv::Mat& map, float* to) {
+      widen(at(map), stride, map_y_.data() + cell.y, fraction_y_.data() + cell.y, cell, to);
+    };
+    widened(copy.u, s.u.data());
+    widened(copy.v, s.v.data());
+    widened(copy.weight, s.share.data());
     for (int row = 0; row < cell.height; ++row) {
-      const int y0 = map_y_[cell.y + row], y1 = std::min(y0 + 1, copy.u.rows - 1);
-      const float below = fraction_y_[cell.y + row];
-      const auto read = [&](const cv::Mat& map, float* to) {
-        float* mixed = s.mixed.data() + (left - before);
-        mix_rows(map.ptr<float>(y0) + left, map.ptr<float>(y1) + left, below, samples, mixed);
-        if (left > before) s.mixed[0] = mixed[0];
-        mixed[samples] = mixed[samples - 1];
-        values(s.mixed.data(), cell.width, to);
-      };
-      read(copy.u, s.away.data());
-      sources(s.away.data(), picture_.x + cell.x, 1, across, cell.width, s.x.data() + row * cell.width);
-      read(copy.v, s.away.data());
-      sources(s.away.data(), picture_.y + cell.y + row, 0, down, cell.width, s.y.data() + row * cell.width);
-      read(copy.weight, s.share.data() + row * cell.width);
+      const int to = row * cell.width;
+      sources(s.u.data() + to, own.x, 1, across, within_x, s.x.data() + to);
+      sources(s.v.data() + to, own.y + row, 0, down, within_y, s.y.data() + to);
     }
-    const auto margin = static_cast<std::ptrdiff_t>(kMargin);
-    const auto stride = static_cast<std::ptrdiff_t>(fluid_.cols);
-    read_pairs(fluid_.ptr<float>(), margin * stride + margin, stride, s.x.data(), s.y.data(), cell.area(),
-               s.luma.data(), s.weight.data());
+    const std::ptrdiff_t plane = luma_.cols, first = kMargin * plane + kMargin;
+    read(luma_.ptr<float>(), first, plane, s.x.data(), s.y.data(), cell.area(), s.luma.data());
+    if (within_x && within_y && whole(reached(own, x, y)))
+      s.weight.fill(1);
+    else
+      read(weight_.ptr<float>(), first, plane, s.x.data(), s.y.data(), cell.area(), s.weight.data());
     add_copy(s.luma.data(), s.weight.data(), s.most.data(), s.share.data(), cell.area(), s.sum.data(),
              s.mass.data());
 
@@ -327,7 +380,7 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
       }
     }
     const auto colour_stride = static_cast<std::ptrdiff_t>(colour_.cols);
-    add_colours(colour_.ptr<float>(), margin * colour_stride + margin, colour_stride, s.half_x.data(),
+    add_colours(colour_.ptr<float>(), kMargin * colour_stride + kMargin, colour_stride, s.half_x.data(),
                 s.half_y.data(), s.half_most.data(), s.half_share.data(), half.area(), s.colours.data());
   }
   for (int row = 0; row < cell.height; ++row)
@@ -358,12 +411,13 @@ void colour_row(const CarriedFrame& frame, int y, int width, float* blue, float*
 }
 
 void show_carried(const CarriedFrame& frame, const cv::Mat& exposure, cv::Mat& out) {
-  out.create(exposure.size(), CV_32F);
-  std::vector<float> fraction(exposure.cols);
+  out.create(frame.luma.size(), CV_32F);
+  std::vector<float> fraction(static_cast<std::size_t>(out.cols)),
+      none(exposure.empty() ? fraction.size() : 0);
   for (int y = 0; y < out.rows; ++y) {
     colour_row(frame, y, out.cols, nullptr, nullptr, fraction.data());
-    lay_over(frame.luma.ptr<std::int16_t>(y), fraction.data(), exposure.ptr<float>(y), out.cols,
-             out.ptr<float>(y));
+    lay_over(frame.luma.ptr<std::int16_t>(y), fraction.data(),
+             exposure.empty() ? none.data() : exposure.ptr<float>(y), out.cols, out.ptr<float>(y));
   }
 }
 

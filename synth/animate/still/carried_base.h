@@ -57,10 +57,12 @@ class CarriedBase {
   void limit_weights(const cv::Rect& cell, const cv::Rect& half, Scratch& scratch) const;
   void carry(const cv::Rect& cell, std::span<const Copy> copies, CarriedFrame& out, Scratch& scratch) const;
 
-  // The picture as pairs of luma and weight (how far it is fluid, faded towards the matte's edge), and at
-  // half its width and height as fours of blue - luma, red - luma, weight and 0; each with a margin. Beyond
-  // the matte the fluid's own values go on: what a copy brings from there counts little, and it is not rock.
-  cv::Mat fluid_, colour_;  // CV_32FC2, CV_32FC4
+  bool whole(const cv::Rect& read) const;
+  // The picture's luma and weight (how far it is fluid, faded towards the matte's edge), and at half its width and
+  // height fours of blue - luma, red - luma, weight and 0; each with a margin. Beyond the matte the fluid's own values
+  // go on: what a copy brings from there counts little, and it is not rock.
+  cv::Mat luma_, weight_, colour_;  // CV_32F, CV_32F, CV_32FC4
+  cv::Mat faded_;                   // CV_32S: by how many blocks before it hold a weight below 1
   CopyPlaces places_;
   cv::Mat own_;  // CV_32F, at half, of the picture: the place's own weight
   float fraction_ = 1;
@@ -68,7 +70,7 @@ class CarriedBase {
   std::vector<cv::Rect> cells_;      // px, where anything is carried
   std::vector<std::int32_t> map_y_;  // by row: the sample of a map before it
   std::vector<float> fraction_y_;    // of the one after that
-  cv::Rect picture_;                 // in fluid_, less its margin
+  cv::Rect picture_;                 // in luma_, less its margin
   cv::Size size_, half_;
 };
 
@@ -76,7 +78,7 @@ class CarriedBase {
 void colour_row(const CarriedFrame& frame, int y, int width, float* blue, float* red, float* fraction);
 
 /// Luma of the base: the carried picture over the long exposure.
-/// exposure   CV_32F: base_image of the picture.
+/// exposure   CV_32F: base_image of the picture; empty: 0.
 /// out        CV_32F.
 void show_carried(const CarriedFrame& frame, const cv::Mat& exposure, cv::Mat& out);
 

@@ -8,7 +8,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "platform/smoothstep.h"
+#include "platform/vectors.h"
 #include "synth/animate/still/colour_model.h"
+#include "synth/sampling/widened_rows.h"
 #include "vision/dot.h"
 
 namespace freshet::synth::animate {
@@ -16,6 +18,7 @@ namespace {
 
 constexpr double kMeant_px = 640;                     // of the longer side: what lengths are meant for
 constexpr double kDetail_px = 4, kFacet_px = 0.6;     // sigmas: of detail, and before gradients
+constexpr double kLeastSigma = 4;                     // samples: what is blurred wider is reduced before
 constexpr double kAround_px = 10;                     // sigma of what a place shows
 constexpr double kSparkle_px = 17, kLargest_px = 33;  // of sparkles, and of sparkles that run together
 constexpr double kUsualOver_px = 14;                  // sigma of their usual strength
@@ -39,9 +42,18 @@ struct Signs {
 constexpr Signs kSure{{0.13f, 0.18f}, {0.66f, 0.78f}, {0.7f, 1.2f}};
 constexpr Signs kBeside{{0.05f, 0.09f}, {0.55f, 0.65f}, {0.3f, 0.6f}};
 
+/// At the resolution at which what comes out is smooth.
 cv::Mat blurred(const cv::Mat& of, double sigma) {
-  cv::Mat out;
-  cv::GaussianBlur(of, out, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  int factor = 1;
+  while (sigma / (2 * factor) >= kLeastSigma) factor *= 2;
+  cv::Mat reduced = of, smooth, out;
+  if (factor > 1)
+    cv::resize(of, reduced, {(of.cols + factor - 1) / factor, (of.rows + factor - 1) / factor}, 0, 0,
+               cv::INTER_AREA);
+  // The reduction and the way back blur as well: variances of a box and a tent.
+  const double left = std::sqrt(sigma * sigma - (factor * factor - 1) / 4.0) / factor;
+  cv::GaussianBlur(reduced, smooth, {}, left, left, cv::BORDER_REPLICATE);
+  cv::resize(smooth, out, of.size(), 0, 0, cv::INTER_LINEAR);
   return out;
 }
 
@@ -118,6 +130,20 @@ cv::Mat halved(const cv::Mat& of, cv::Size half) {
   return out;
 }
 
+/// light: what a row of texture is of it, as far as the ground leaves room below the brightest; luma has it added.
+FRESHET_WIDE void add_light(const sampling::WidenedRows::Row& gains, const float* texture, const float* usual,
+                            const float* brightest, int n, float* luma, float* light) {
+  const float *upper = gains.upper, *lower = gains.lower, a = gains.of_upper, b = gains.of_lower;
+#pragma GCC ivdep
+  for (int x = 0; x < n; ++x) {
+    const float room = brightest[x] - luma[x], most = room > 0 ? room : 0.0f;
+    const float wanted = usual[x] * (1 + (upper[x] * a + lower[x] * b) * texture[x]);
+    const float lit = wanted > 0 ? wanted : 0.0f;
+    light[x] = lit < most ? lit : most;
+    luma[x] += light[x];
+  }
+}
+
 }  // namespace
 
 Glitter::Glitter(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte, double share) {
@@ -159,21 +185,15 @@ Glitter::Glitter(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& mat
 
 void Glitter::add(const cv::Mat& texture, std::span<const CopyMap> copies, int step, cv::Mat& luma,
                   CarriedFrame* frame) const {
-  cv::Mat agreement = cv::Mat::zeros(copies.front().weight.size(), CV_32F), gain, of_pixels;
+  cv::Mat agreement = cv::Mat::zeros(copies.front().weight.size(), CV_32F), gain;
   for (const CopyMap& copy : copies) agreement += copy.weight.mul(copy.weight);
   cv::sqrt(cv::max(agreement, kLeastAgreement), gain);
   gain = 1 / (kCarriedPart * gain);
-  cv::resize(gain, of_pixels, {gain.cols * step, gain.rows * step}, 0, 0, cv::INTER_LINEAR);
+  sampling::WidenedRows gains(gain, {gain.cols * step, gain.rows * step});
   cv::Mat light(luma.size(), CV_32F);
-  for (int y = 0; y < luma.rows; ++y) {
-    const float *brought = texture.ptr<float>(y), *usual = usual_.ptr<float>(y),
-                *times = of_pixels.ptr<float>(y), *most = brightest_.ptr<float>(y),
-                *below = luma.ptr<float>(y);
-    auto* to = light.ptr<float>(y);
-    for (int x = 0; x < luma.cols; ++x)
-      to[x] = std::clamp(usual[x] * (1 + times[x] * brought[x]), 0.0f, std::max(0.0f, most[x] - below[x]));
-  }
-  luma += light;
+  for (int y = 0; y < luma.rows; ++y)
+    add_light(gains.at(y), texture.ptr<float>(y), usual_.ptr<float>(y), brightest_.ptr<float>(y), luma.cols,
+              luma.ptr<float>(y), light.ptr<float>(y));
   if (frame == nullptr) return;
   // The light brings its own colour, which the fluid's curve is not to give it again.
   cv::Mat brought = light * CarriedFrame::kOne;

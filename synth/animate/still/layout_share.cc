@@ -1,11 +1,14 @@
 #include "synth/animate/still/layout_share.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
 
+#include "platform/vectors.h"
+#include "synth/sampling/widened_rows.h"
 #include "vision/dot.h"
 #include "vision/pyramid.h"
 
@@ -23,6 +26,32 @@ cv::Mat power_of(const cv::Mat& squares) {
              cv::INTER_AREA);
   cv::GaussianBlur(cells, cells, {}, kCellReach, kCellReach, cv::BORDER_REPLICATE);
   return cells;
+}
+
+[[gnu::always_inline]] inline float at(const sampling::WidenedRows::Row& row, int x) {
+  return row.upper[x] * row.of_upper + row.lower[x] * row.of_lower;
+}
+
+FRESHET_WIDE void mix_rest(sampling::WidenedRows::Row shares, const float* other, int n, float* band) {
+  for (int x = 0; x < n; ++x) band[x] += at(shares, x) * (other[x] - band[x]);
+}
+
+/// wanted: what the powers of both make together; found: the square of what they are mixed to.
+FRESHET_WIDE void mix_bands(sampling::WidenedRows::Row shares, const float* stands, const float* other, int n,
+                            float* band, float* wanted, float* found) {
+#pragma GCC ivdep
+  for (int x = 0; x < n; ++x) {
+    const float share = at(shares, x), left = 1 - share, own = band[x], texture = other[x];
+    const float least = share < 0.0f ? 0.0f : share, most = left < 0.0f ? 0.0f : left;
+    wanted[x] = own * own * left + texture * texture * share;
+    const float mixed = std::sqrt(most) * own + share * stands[x] + std::sqrt(least) * (texture - stands[x]);
+    found[x] = mixed * mixed;
+    band[x] = mixed;
+  }
+}
+
+FRESHET_WIDE void amplify(sampling::WidenedRows::Row gains, int n, float* band) {
+  for (int x = 0; x < n; ++x) band[x] *= at(gains, x);
 }
 
 }  // namespace
@@ -55,21 +84,20 @@ void LayoutShare::mix(const cv::Mat& laid, const StandingLayout& layout, cv::Mat
   for (int level = 0; level <= layout.levels(); ++level) {
     cv::Mat &band = bands[static_cast<std::size_t>(level)], &other = texture[static_cast<std::size_t>(level)];
     const auto known = std::min(static_cast<std::size_t>(level), by_level_.size() - 1);
-    cv::Mat share, left, root;
-    cv::resize(by_level_[known], share, band.size(), 0, 0, cv::INTER_LINEAR);
+    sampling::WidenedRows shares(by_level_[known], band.size());
     if (level == layout.levels()) {
-      band += share.mul(other - band);
+      for (int y = 0; y < band.rows; ++y)
+        mix_rest(shares.at(y), other.ptr<float>(y), band.cols, band.ptr<float>(y));
       continue;
     }
-    cv::sqrt(cv::max(1 - share, 0), left);
-    cv::sqrt(cv::max(share, 0), root);
-    const cv::Mat& stands = layout.stands(level);
-    const cv::Mat wanted = power_of(band.mul(band).mul(1 - share) + other.mul(other).mul(share));
-    band = left.mul(band) + share.mul(stands) + root.mul(other - stands);
-    cv::Mat gain;
-    cv::sqrt((wanted + kFaint) / (power_of(band.mul(band)) + kFaint), gain);
-    cv::resize(cv::min(cv::max(gain, kLeastGain), kMostGain), gain, band.size(), 0, 0, cv::INTER_LINEAR);
-    band = band.mul(gain);
+    cv::Mat wanted(band.size(), CV_32F), gain;
+    for (int y = 0; y < band.rows; ++y)
+      mix_bands(shares.at(y), layout.stands(level).ptr<float>(y), other.ptr<float>(y), band.cols,
+                band.ptr<float>(y), wanted.ptr<float>(y), other.ptr<float>(y));
+    cv::sqrt((power_of(wanted) + kFaint) / (power_of(other) + kFaint), gain);
+    gain = cv::min(cv::max(gain, kLeastGain), kMostGain);
+    sampling::WidenedRows gains(gain, band.size());
+    for (int y = 0; y < band.rows; ++y) amplify(gains.at(y), band.cols, band.ptr<float>(y));
   }
   goes = vision::collapse(std::move(bands));
 }

@@ -100,7 +100,8 @@ class Mixture {
       std::copy_n(own_.ptr<float>(y), own_.cols, variance.data());
       std::fill(covariance.begin(), covariance.end(), 0.0f);
       for (const Term& pair : pairs_) pair.add(y, unit, variance.data());
-      for (const Term& copy : stood_) copy.add(y, unit, covariance.data());
+      if (share > 0)
+        for (const Term& copy : stood_) copy.add(y, unit, covariance.data());
       share_out(variance.data(), covariance.data(), where.empty() ? everywhere.data() : where.ptr<float>(y),
                 anew, share, most, own_.cols, carried.ptr<float>(y), stands.ptr<float>(y));
     }

@@ -5,6 +5,9 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "platform/vectors.h"
+#include "synth/sampling/widened_rows.h"
+
 namespace freshet::synth::animate {
 namespace {
 
@@ -20,6 +23,19 @@ cv::Mat around(const cv::Mat& cells) {
   cv::Mat out;
   cv::GaussianBlur(cells, out, {}, kReach, kReach, cv::BORDER_REPLICATE);
   return out;
+}
+
+FRESHET_WIDE void add_row(sampling::WidenedRows::Row more, int n, float* to) {
+  for (int x = 0; x < n; ++x) to[x] += more.upper[x] * more.of_upper + more.lower[x] * more.of_lower;
+}
+FRESHET_WIDE void add_row(sampling::WidenedRows::Row more, int n, std::int16_t* to) {
+  constexpr float kMost = 32767, kWhole = 12582912;  // 1.5 * 2^23: what is added to it has no fraction left
+  for (int x = 0; x < n; ++x) {
+    const float sum =
+        static_cast<float>(to[x]) + (more.upper[x] * more.of_upper + more.lower[x] * more.of_lower);
+    const float low = sum > -kMost ? sum : -kMost, inside = low < kMost ? low : kMost;
+    to[x] = static_cast<std::int16_t>(static_cast<int>((inside + kWhole) - kWhole));
+  }
 }
 
 }  // namespace
@@ -68,14 +84,21 @@ void StandingColour::hold_mean(const cv::Mat& own, const cv::Mat& weight, int pa
                                cv::Mat& plane) const {
   cv::Mat away, left, all = cv::Mat::zeros(mass_.size(), CV_32F);
   cv::subtract(own, plane, away, cv::noArray(), CV_32F);
-  cv::resize(away.mul(weight), left, mass_.size(), 0, 0, cv::INTER_AREA);
+  cv::multiply(away, weight, away);
+  cv::resize(away, left, mass_.size(), 0, 0, cv::INTER_AREA);
   for (int pass = 0; pass < passes; ++pass) {
     const cv::Mat mean = around(left) / mass_;
     all += mean;
     left -= mean.mul(cells_);
   }
-  cv::resize(share * all, away, plane.size(), 0, 0, cv::INTER_LINEAR);
-  cv::add(plane, away, plane, cv::noArray(), plane.type());
+  all *= share;
+  sampling::WidenedRows more(all, plane.size());
+  for (int y = 0; y < plane.rows; ++y) {
+    if (plane.depth() == CV_32F)
+      add_row(more.at(y), plane.cols, plane.ptr<float>(y));
+    else
+      add_row(more.at(y), plane.cols, plane.ptr<std::int16_t>(y));
+  }
 }
 
 }  // namespace freshet::synth::animate
