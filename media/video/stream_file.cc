@@ -32,6 +32,8 @@ constexpr AVRational kMillisecond{1, 1000};  // what Matroska counts in
 constexpr const char* kWebpQuality = "90";
 // Of two animations of water at crf 16 it codes in .6 of the time of "medium", to files .99 and 1.03 as large
 // and SSIM .9896 and .9957 after .9901 and .9962. Encoding was a quarter of a run's time.
+// Of 40 frames of falls of 1920 x 1080 its trellis and finer motion took a third of what coding took. Without them a
+// file of 1.95 MB is .09 dB worse and SSIM .0001 better than with them at a crf that gives 1.94 MB.
 constexpr const char* kX264Preset = "faster";
 
 struct Codec {
@@ -188,7 +190,7 @@ StreamFile::CoderOptions StreamFile::set_coding() {
       // Its AVX-512 code reads memory that nobody wrote where a picture is not a multiple of 256 px wide (0.164: bytes
       // differed from run to run, by what lay on the heap); and each width of vectors gives other bytes. What does not
       // depend on the processor does neither, and is as fast.
-      av_dict_set(&options.coding, "x264-params", "scenecut=0:cpu-independent=1", 0);
+      av_dict_set(&options.coding, "x264-params", "scenecut=0:cpu-independent=1:trellis=0:me=dia:subme=3", 0);
       context_->flags |= AV_CODEC_FLAG_CLOSED_GOP;
       av_dict_set(&options.coding, "preset", kX264Preset, 0);
       av_dict_set_int(&options.coding, "crf", options_.crf, 0);
