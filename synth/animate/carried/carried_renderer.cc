@@ -244,6 +244,7 @@ class CarriedRenderer final : public Renderer {
     field_ = std::make_shared<const CarryingField>(sequence_, carried_motion_, frames.frames, frames.fps,
                                                    CarriedBase::kStep, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
+    lay_other_way(carrying);
     const FluidPlanes planes = fluid_planes(still_.target, still_.luma, still_.alpha);
     colour_.emplace(planes, still_.alpha);
     const FluidPlanes whole =
@@ -281,6 +282,19 @@ class CarriedRenderer final : public Renderer {
     const Carried first = carry(0, 0);
     rest_of_still_ = whole_.luma - first.luma;
     if (glitter_ && first.frame) measure_rest_of_colour(whole, *first.frame);
+  }
+
+  /// Of water that is thrown up, what comes down. An outline that moves goes up alone.
+  void lay_other_way(const CarryingOptions& carrying) {
+    const FrameOptions& frames = animation_.options;
+    if (!places_class(animation_, kWater) || frames.moving()) return;
+    const ComingDown down = coming_down(carried_motion_, frames.guide, whole_.luma, whole_.alpha);
+    if (down.share.empty()) return;
+    other_way_.emplace();
+    const auto field = std::make_shared<const CarryingField>(
+        sequence_, down.motion, frames.frames, frames.fps, CarriedBase::kStep, frames.loop, carrying);
+    other_way_->displacement = [field](int i) { return field->at(i); };
+    cv::resize(down.share, other_way_->share, field_->size(), 0, 0, cv::INTER_AREA);
   }
 
   void measure_rest_of_colour(const FluidPlanes& planes, const CarriedFrame& first) {
@@ -326,8 +340,8 @@ class CarriedRenderer final : public Renderer {
         std::clamp(kMaxWander_px * scale / (fastest() * frames.fps), kMinWander_s, kMaxWander_s);
     CopyOptions copies = copy_options(half_life_s_);
     copies.wander = static_cast<int>(std::lround(wander_s * frames.fps));
-    copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(),
-                    copies);
+    copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(), copies,
+                    std::nullopt, other_way_);
     standing_.emplace(planes, still_.alpha, shares_that_stand());
     return exposure.colour;
   }
@@ -351,7 +365,8 @@ class CarriedRenderer final : public Renderer {
                             CopyStarts{.direction = motion.direction,
                                        .edges = layout_->edges(),
                                        .spread = kSpread_px * scale / CarriedBase::kStep,
-                                       .nearness = nearness(frames.guide.horizon, *field_)});
+                                       .nearness = nearness(frames.guide.horizon, *field_)},
+                            other_way_);
   }
 
   /// Copies of the sparkles, which stay about where they are.
@@ -520,7 +535,8 @@ class CarriedRenderer final : public Renderer {
   std::optional<Innovations> innovations_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::shared_ptr<const CarryingField> field_;
-  cv::Mat fluid_;     // CV_32F, the matte as the field is sampled
+  std::optional<OtherWay> other_way_;  // of what is thrown up and comes down
+  cv::Mat fluid_;                      // CV_32F, the matte as the field is sampled
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
   std::optional<StandingColour> colour_, whole_colour_;  // of what is carried, and with its sparkles
   LayoutShare share_{0};

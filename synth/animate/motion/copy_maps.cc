@@ -196,7 +196,8 @@ int CopyMaps::interval_of(double half_life_s, double fps, int loop_frames) {
 }
 
 CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const CopyPlaces& places, int step,
-                   const CopyOptions& options, std::optional<CopyStarts> starts)
+                   const CopyOptions& options, std::optional<CopyStarts> starts,
+                   std::optional<OtherWay> other)
     : displacement_(std::move(displacement)),
       everywhere_(places),
       places_(places.own()),
@@ -205,6 +206,9 @@ CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const CopyPlaces& p
       starts_(std::move(starts)),
       reach_(static_cast<int>(std::ceil((kReach + options.stagger) * options.interval))) {
   options_.wander = starts_ ? 0 : std::max(options_.wander, options_.interval);
+  if (!other) return;
+  other_ = std::make_unique<CopyMaps>(std::move(other->displacement), places, step, options, starts_);
+  other_share_ = std::move(other->share);
 }
 
 // A copy is alive reach_ frames around its middle.
@@ -320,6 +324,7 @@ void CopyMaps::prepare(int first, int count) {
   oneapi::tbb::parallel_for(std::size_t{0}, alive.size(), [&](std::size_t i) {
     carry(alive[i].first, *alive[i].second, first, first + count);
   });
+  if (other_) other_->prepare(first, count);
 }
 
 double CopyMaps::still(int i) const {
@@ -422,6 +427,13 @@ std::vector<CopyMap> CopyMaps::at(int i) const {
     const cv::Mat taken = still_here * own_suits;
     for (CopyMap& copy : out) cv::multiply(copy.weight, 1 - taken, copy.weight);
     out[own].weight += taken;
+  }
+  if (other_) {
+    for (CopyMap& copy : out) cv::multiply(copy.weight, 1 - other_share_, copy.weight);
+    for (CopyMap& copy : other_->at(i)) {
+      cv::multiply(copy.weight, other_share_, copy.weight);
+      out.push_back(std::move(copy));
+    }
   }
   std::erase_if(out, [](const CopyMap& copy) {
     double most = 0;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -54,6 +55,12 @@ struct CopyStarts {
   cv::Mat nearness{};
 };
 
+/// Fluid that goes two ways in one place, as drops fall past a jet: copies that go the other way.
+struct OtherWay {
+  std::function<cv::Mat(int)> displacement;  // as CopyMaps'
+  cv::Mat share;                             // CV_32F, 0..1, sampled as the field: of what shows in a place
+};
+
 /// Copies of the picture are carried along a field that changes from frame to frame: to where what the picture
 /// shows in a copy's own frame has gone since, or will have come from. So fluid comes in and goes out at borders.
 ///
@@ -77,7 +84,8 @@ class CopyMaps {
   ///               the place leaves it to the others, and so does one whose forms the motion has drawn out or squeezed
   ///               there: foam stays where water breaks, a pool at the foot of its fall, and a fall is no haze.
   CopyMaps(std::function<cv::Mat(int)> displacement, const CopyPlaces& places, int step,
-           const CopyOptions& options, std::optional<CopyStarts> starts = std::nullopt);
+           const CopyOptions& options, std::optional<CopyStarts> starts = std::nullopt,
+           std::optional<OtherWay> other = std::nullopt);
 
   /// Makes what at() needs of output frames [first, first + count), and forgets what lies before. In ascending
   /// order. All threads. Memory: of each copy one map in 16 frames that lie before its own, and `count` and 16.
@@ -121,6 +129,8 @@ class CopyMaps {
   std::optional<CopyStarts> starts_;
   int reach_ = 1;  // frames from the middle of a copy's life to its last place's end
   std::map<int, Copy> copies_;
+  std::unique_ptr<CopyMaps> other_;  // of what goes the other way; or null
+  cv::Mat other_share_;
 };
 
 }  // namespace freshet::synth::animate

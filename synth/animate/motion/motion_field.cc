@@ -29,6 +29,10 @@ constexpr float kLeans = 0.47f;                              // tangent of 25 de
 constexpr double kGained = 3, kLost = 0.9;                   // of the first speed's square, down and up
 constexpr double kEvenRows = 0.05;                           // sigma, of the height
 constexpr float kMostFaster = 4;
+// Of what is thrown up: of half its width what rises, in the middle (.21 of a fountain's places do, .33 of a simulated
+// one's), and over which it goes over to what comes down; how far above it air is looked for, of the picture's height.
+constexpr float kCore = 0.35f, kCoreEdge = 0.2f;
+constexpr double kOpen = 0.02;
 constexpr double kFalls = 0.35, kMostGain = 4;  // longer sides a second; times the patches' own mean speed
 
 /// Directions evened out, of length 1 where they agree and less where they oppose each other; 0 where none is asked.
@@ -45,6 +49,8 @@ cv::Mat evened(const cv::Mat& direction) {
       out.at<cv::Vec2f>(y, x) *= asked.at<float>(y, x) / std::max(mass.at<float>(y, x), 1e-6f);
   return out;
 }
+
+double unit_of(const cv::Mat& picture) { return std::max(picture.cols, picture.rows) / kMeantFor_px; }
 
 /// Squares of gradients across and of all: CV_32FC2.
 cv::Mat uprightness(const cv::Mat& luma, double unit) {
@@ -80,13 +86,70 @@ cv::Mat upright(const cv::Mat& motion, const query::MotionGuide& guide, const cv
   return out;
 }
 
+/// Water that goes down or up as by its weight.
+struct Stretch {
+  cv::Mat within;   // CV_8U
+  cv::Range rows;   // that it lies in
+  double sure = 0;  // 0..1, > 0
+};
+
+std::vector<Stretch> stretches(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
+                               const cv::Mat& matte, float way) {
+  if (guide.direction.empty() || guide.horizon) return {};  // a horizon is a plane's
+  std::vector<Stretch> out;
+  cv::Mat labels, stats, unused;
+  const cv::Mat across = uprightness(luma, unit_of(luma));
+  const int found =
+      cv::connectedComponentsWithStats(upright(motion, guide, matte, way), labels, stats, unused, 4);
+  for (int label = 1; label < found; ++label) {
+    const int first = stats.at<int>(label, cv::CC_STAT_TOP), rows = stats.at<int>(label, cv::CC_STAT_HEIGHT);
+    if (rows < kLeastFall * motion.rows) continue;
+    Stretch stretch{labels == label, {first, first + rows}};
+    stretch.sure = smoothstep(kStreakedFrom, kStreakedSure, share_across(across, stretch.within));
+    if (stretch.sure > 0) out.push_back(std::move(stretch));
+  }
+  return out;
+}
+
+/// Nothing of the fluid lies above a stretch, nor does it leave the picture there.
+bool ends_in_the_open(const Stretch& stretch, const cv::Mat& matte) {
+  if (stretch.rows.start == 0) return false;
+  const int above = std::max(stretch.rows.start - static_cast<int>(std::lround(kOpen * matte.rows)), 0);
+  cv::Mat across;
+  cv::reduce(stretch.within.rowRange(stretch.rows.start, stretch.rows.start + 1), across, 0, cv::REDUCE_MAX);
+  return cv::mean(matte.row(above), across)[0] < 0.5;
+}
+
+/// Of a row of a stretch, how far what comes down shows: not in the core, alone at the flanks.
+void share_row(const std::uint8_t* within, int n, float sure, float* share) {
+  for (int first = 0, end = 0; first < n; first = end) {
+    while (first < n && within[first] == 0) ++first;
+    for (end = first; end < n && within[end] != 0;) ++end;
+    for (int x = first; x < end; ++x) {
+      const float side =
+          std::abs(2 * (static_cast<float>(x - first) + 0.5f) / static_cast<float>(end - first) - 1);
+      share[x] = sure * smoothstep(kCore - kCoreEdge, kCore + kCoreEdge, side);
+    }
+  }
+}
+
+/// What is said of the fluid evened across the ends of a stretch, where nothing is to jump. Within the matte.
+cv::Mat evened_ends(const cv::Mat& values, const cv::Mat& matte) {
+  const double sigma = kFallEdge_px * unit_of(matte);
+  cv::Mat mass, out;
+  cv::GaussianBlur(values.mul(matte), out, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(matte, mass, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  out /= cv::max(mass, 1e-3);
+  return out;
+}
+
 /// By row of a stretch, what speeds are multiplied by.
-std::vector<float> fall_factors(const cv::Mat& motion, const cv::Mat& labels, int label,
-                                const cv::Range& rows, bool down, double usual) {
+std::vector<float> fall_factors(const cv::Mat& motion, const Stretch& stretch, bool down, double usual) {
+  const cv::Range& rows = stretch.rows;
   cv::Mat sums = cv::Mat::zeros(rows.size(), 1, CV_32F), counts = sums.clone();
   for (int y = rows.start; y < rows.end; ++y)
     for (int x = 0; x < motion.cols; ++x)
-      if (labels.at<int>(y, x) == label) {
+      if (stretch.within.at<std::uint8_t>(y, x) != 0) {
         const cv::Vec2f v = motion.at<cv::Vec2f>(y, x);
         sums.at<float>(y - rows.start) += std::hypot(v[0], v[1]);
         counts.at<float>(y - rows.start) += 1;
@@ -217,41 +280,43 @@ cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, cons
 
 cv::Mat falling_freely(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
                        const cv::Mat& matte, double played) {
-  if (guide.direction.empty() || guide.horizon) return motion;  // a horizon is a plane's
   const double usual = played * kFalls * std::max(luma.cols, luma.rows);
-  const double unit = std::max(luma.cols, luma.rows) / kMeantFor_px;
-  const cv::Mat across = uprightness(luma, unit);
-  cv::Mat times(motion.size(), CV_32F, cv::Scalar(1));
+  cv::Mat times(motion.size(), CV_32F, cv::Scalar(1)), both;
   bool falls = false;
-  for (const float way : {1.0f, -1.0f}) {
-    cv::Mat labels, stats, unused;
-    const int found =
-        cv::connectedComponentsWithStats(upright(motion, guide, matte, way), labels, stats, unused, 4);
-    for (int label = 1; label < found; ++label) {
-      const int first = stats.at<int>(label, cv::CC_STAT_TOP),
-                rows = stats.at<int>(label, cv::CC_STAT_HEIGHT);
-      if (rows < kLeastFall * motion.rows) continue;
-      const double sure = smoothstep(kStreakedFrom, kStreakedSure, share_across(across, labels == label));
-      if (sure <= 0) continue;
-      const std::vector<float> factors =
-          fall_factors(motion, labels, label, {first, first + rows}, way > 0, usual);
-      for (int y = first; y < first + rows; ++y)
-        for (int x = 0; x < motion.cols; ++x)
-          if (labels.at<int>(y, x) == label)
-            times.at<float>(y, x) =
-                static_cast<float>(std::lerp(1, factors[static_cast<std::size_t>(y - first)], sure));
+  for (const float way : {1.0f, -1.0f})
+    for (const Stretch& stretch : stretches(motion, guide, luma, matte, way)) {
+      const std::vector<float> factors = fall_factors(motion, stretch, way > 0, usual);
+      for (int y = stretch.rows.start; y < stretch.rows.end; ++y)
+        times.row(y).setTo(
+            std::lerp(1, factors[static_cast<std::size_t>(y - stretch.rows.start)], stretch.sure),
+            stretch.within.row(y));
       falls = true;
     }
-  }
   if (!falls) return motion;
-  // Where the stretch ends nothing jumps.
-  cv::Mat mass, out;
-  cv::GaussianBlur(times.mul(matte), times, {}, kFallEdge_px * unit, kFallEdge_px * unit,
-                   cv::BORDER_REPLICATE);
-  cv::GaussianBlur(matte, mass, {}, kFallEdge_px * unit, kFallEdge_px * unit, cv::BORDER_REPLICATE);
-  times /= cv::max(mass, 1e-3);
-  cv::merge(std::vector<cv::Mat>{times, times}, mass);
-  return motion.mul(mass);
+  times = evened_ends(times, matte);
+  cv::merge(std::vector<cv::Mat>{times, times}, both);
+  return motion.mul(both);
+}
+
+ComingDown coming_down(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
+                       const cv::Mat& matte) {
+  ComingDown out;
+  cv::Mat turned = cv::Mat::zeros(motion.size(), CV_32F);
+  for (const Stretch& stretch : stretches(motion, guide, luma, matte, -1)) {
+    if (!ends_in_the_open(stretch, matte)) continue;
+    if (out.share.empty()) out.share = turned.clone();
+    turned.setTo(stretch.sure, stretch.within);
+    for (int y = stretch.rows.start; y < stretch.rows.end; ++y)
+      share_row(stretch.within.ptr(y), motion.cols, static_cast<float>(stretch.sure),
+                out.share.ptr<float>(y));
+  }
+  if (out.share.empty()) return out;
+  out.share = evened_ends(out.share, matte);
+  turned = evened_ends(turned, matte);
+  out.motion = motion.clone();
+  for (int y = 0; y < motion.rows; ++y)
+    for (int x = 0; x < motion.cols; ++x) out.motion.at<cv::Vec2f>(y, x)[1] *= 1 - 2 * turned.at<float>(y, x);
+  return out;
 }
 
 double pace(const cv::Mat& assigned, const cv::Mat& asked, const cv::Mat& matte) {

@@ -52,6 +52,20 @@ cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, cons
 cv::Mat falling_freely(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
                        const cv::Mat& matte, double played = 1);
 
+/// What was thrown up and comes down again.
+struct ComingDown {
+  cv::Mat motion;  // CV_32FC2, px/s; elsewhere the motion that was given. Empty: nothing is thrown up.
+  cv::Mat share;   // CV_32F, 0..1: how far a place shows it; elsewhere 0
+};
+
+/// Water that falling_freely() lets rise, and that ends in the open above, comes down beside its core: at every height
+/// as fast as it rose there, and on sideways. So a fountain does: its jets rise by 5, 8 and 12 px a frame where, as
+/// high up, drops fall by 6, 8 and 10.
+/// motion   CV_32FC2, px/s, as falling_freely() made it; luma and matte CV_32F, 0..1, of its size.
+/// Cost     as falling_freely().
+ComingDown coming_down(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& luma,
+                       const cv::Mat& matte);
+
 /// How many times as fast the fluid goes as the patches that were assigned to it, in 1/4..4: the mean of the logarithm
 /// over the matte, faster places by their speed. 1 where nothing moves.
 /// assigned, asked   CV_32FC2, px/s, of one size; matte CV_8U, > 0 where the fluid is.

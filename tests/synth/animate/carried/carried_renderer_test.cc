@@ -19,8 +19,9 @@ constexpr int kFrames = 25, kStep_px = 2;
 
 /// A picture by a second of a clip that goes right and whose forms live so long; upper pieces play it as fast as
 /// filmed, those below at `lower` times that.
-AnimateReport animate_second(const cv::Mat& picture, float life_s, double lower, const char* class_name,
-                             const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink) {
+AnimateReport animate_second(const cv::Mat& picture, const cv::Mat& matte, float life_s, double lower,
+                             const char* class_name, const AnimateOptions& options,
+                             const std::function<void(const cv::Mat&)>& sink) {
   const FlowingStore store({measured({.frames = kFrames + 1,
                                       .steady = {kStep_px, 0},
                                       .varying = 0,
@@ -33,21 +34,24 @@ AnimateReport animate_second(const cv::Mat& picture, float life_s, double lower,
       placement.patches.push_back({.piece = {x, y},
                                    .clip = store.id(),
                                    .variant = {},
-                                   .patch = {x % 96, y},
+                                   .patch = {x % 96, y % 60},
                                    .speed = y < 24 ? 1 : lower});
-  return animate(store.snapshot(), store.settings(), picture, cv::Mat(picture.size(), CV_8U, cv::Scalar(255)),
-                 placement, options, sink);
+  return animate(store.snapshot(), store.settings(), picture,
+                 matte.empty() ? cv::Mat(picture.size(), CV_8U, cv::Scalar(255)) : matte, placement, options,
+                 sink);
 }
 
 std::vector<cv::Mat> a_second_of(const cv::Mat& picture, float life_s, double lower = 1,
                                  std::function<void(const cv::Mat&)> motion = {},
-                                 const CarriedOptions& carried = {}) {
+                                 const CarriedOptions& carried = {}, const cv::Mat& matte = {},
+                                 const query::MotionGuide& guide = {}) {
   std::vector<cv::Mat> frames;
   AnimateOptions options;
   options.frames = kFrames;
   options.method = carried;
   options.motion_sink = std::move(motion);
-  animate_second(picture, life_s, lower, "water", options,
+  options.guide = guide;
+  animate_second(picture, matte, life_s, lower, "water", options,
                  [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
   return frames;
 }
@@ -88,7 +92,7 @@ TEST(CarriedRenderer, OfWatersDetailLessIsFollowedThanLives) {
   const auto half_life_s = [](const char* class_name, float life_s) {
     AnimateOptions options;
     options.frames = 2;
-    return animate_second(sky(144), life_s, 1, class_name, options, [](const cv::Mat&) {}).half_life_s;
+    return animate_second(sky(144), {}, life_s, 1, class_name, options, [](const cv::Mat&) {}).half_life_s;
   };
   EXPECT_NEAR(half_life_s("smoke", 1), 1, 0.01);
   EXPECT_NEAR(half_life_s("water", 1), 0.4, 0.01);
@@ -142,6 +146,34 @@ TEST(CarriedRenderer, WhereNothingGlittersFramesAreTheSame) {
   EXPECT_EQ(cv::norm(a_second_of(picture, 0.4f).back(),
                      a_second_of(picture, 0.4f, 1, {}, {.glitter = 0}).back(), cv::NORM_INF),
             0);
+}
+
+TEST(CarriedRenderer, WhatIsThrownUpComesDownBesideItsCore) {
+  cv::Mat noise(240, 144, CV_32F), picture;
+  cv::RNG(3).fill(noise, cv::RNG::NORMAL, 120, 300);
+  cv::GaussianBlur(noise, noise, {}, 1.5, 5);
+  noise.convertTo(noise, CV_8U);
+  cv::merge(std::vector<cv::Mat>(3, noise), picture);
+  cv::Mat jet = cv::Mat::zeros(picture.size(), CV_8U);
+  jet(cv::Rect(12, 40, 120, 200)).setTo(255);
+  query::MotionGuide guide;
+  guide.direction = cv::Mat(picture.size(), CV_32FC2, cv::Scalar(0, -1));
+  const std::vector<cv::Mat> frames = a_second_of(picture, 0.4f, 1, {}, {}, jet, guide);
+  // How much more frames are like the next ones some px further up than further down.
+  const auto rises = [&](const cv::Range& columns) {
+    double sum = 0;
+    for (std::size_t i = 8; i + 1 < frames.size(); ++i)
+      for (const int up : {3, -3}) {
+        cv::Mat like;
+        cv::matchTemplate(frames[i + 1](cv::Range(140 - up, 200 - up), columns),
+                          frames[i](cv::Range(140, 200), columns), like, cv::TM_CCOEFF_NORMED);
+        sum += like.at<float>(0, 0) * (up > 0 ? 1 : -1) / 16;
+      }
+    return sum;
+  };
+  EXPECT_GT(rises({56, 88}), 0.2);
+  EXPECT_LT(rises({14, 28}), -0.2);
+  EXPECT_LT(rises({116, 130}), -0.2);
 }
 
 }  // namespace

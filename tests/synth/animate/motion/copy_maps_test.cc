@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -332,6 +333,34 @@ TEST(CopyMaps, OwnFramesLieAwayFromLivesSoThatNothingComesAgain) {
     EXPECT_LE(std::abs(maps.own_frame(j) - j * kInterval), 15) << j;
   }
   EXPECT_GE(away.size(), 6U);
+}
+
+TEST(CopyMaps, WhatGoesTheOtherWayShowsWhereItIsToAndBothTogetherAreThePicture) {
+  const auto going = [](float down) {
+    return [down](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(0, down)); };
+  };
+  const CopyOptions options{.interval = kInterval, .wander = 30, .patch = 6};
+  cv::Mat share = cv::Mat::zeros(kSize, CV_32F);
+  share.colRange(0, 10).setTo(1);
+  share.colRange(10, 20).setTo(0.25);
+  CopyMaps up(going(-2), alone(kFluid), kStep, options), down(going(3), alone(kFluid), kStep, options);
+  CopyMaps both(going(-2), alone(kFluid), kStep, options, std::nullopt, OtherWay{going(3), share});
+  for (int i = 0; i < 4 * kInterval; ++i) {
+    for (CopyMaps* maps : {&up, &down, &both}) maps->prepare(i, 1);
+    // Where the copies that show have the middle row's place x from, on the average.
+    const auto source = [i](const CopyMaps& maps, int x) {
+      double from = 0, sum = 0;
+      for (const CopyMap& copy : maps.at(i)) {
+        from += copy.weight.at<float>(15, x) * copy.source.at<cv::Vec2f>(15, x)[1];
+        sum += copy.weight.at<float>(15, x);
+      }
+      EXPECT_NEAR(sum, 1, 1e-4) << i;
+      return from;
+    };
+    EXPECT_NEAR(source(both, 5), source(down, 5), 1e-3) << i;
+    EXPECT_NEAR(source(both, 15), 0.75 * source(up, 15) + 0.25 * source(down, 15), 1e-3) << i;
+    EXPECT_NEAR(source(both, 30), source(up, 30), 1e-3) << i;
+  }
 }
 
 }  // namespace

@@ -193,5 +193,50 @@ TEST(FallingFreely, WhatDoesNotFallKeepsItsSpeed) {
   EXPECT_TRUE(stays(down, plane, streaks(true), all())) << "a plane seen from above";
 }
 
+/// A jet in the picture's middle, with air above.
+cv::Mat jet() {
+  cv::Mat matte = cv::Mat::zeros(kPicture, CV_32F);
+  matte(cv::Rect(110, 40, 100, 200)).setTo(1);
+  return matte;
+}
+
+TEST(ComingDown, BesideTheCoreAsFastAsItRoseThereAndOnSideways) {
+  cv::Mat motion = everywhere({20, -150});
+  motion.rowRange(40, 120) *= 0.5;
+  const ComingDown down = coming_down(motion, asked_to({20, -150}), streaks(true), jet());
+  EXPECT_EQ(down.motion.at<cv::Vec2f>(200, 125), cv::Vec2f(20, 150));
+  EXPECT_EQ(down.motion.at<cv::Vec2f>(80, 195), cv::Vec2f(10, 75));
+  EXPECT_EQ(down.motion.at<cv::Vec2f>(120, 20), cv::Vec2f(20, -150)) << "beside the jet";
+  EXPECT_LT(down.share.at<float>(230, 160), 1e-3) << "the core";
+  EXPECT_NEAR(down.share.at<float>(140, 177), 0.5, 0.06) << "a third rises";
+  EXPECT_GT(down.share.at<float>(230, 112), 0.9);
+  EXPECT_GT(down.share.at<float>(60, 207), 0.9);
+  EXPECT_EQ(down.share.at<float>(120, 20), 0);
+  double previous = 0;
+  for (int x = 160; x < 210; ++x) {
+    const double share = down.share.at<float>(140, x);
+    EXPECT_LT(std::abs(share - previous), 0.15) << "nothing jumps: " << x;
+    previous = share;
+  }
+}
+
+TEST(ComingDown, NothingDoesThatIsNotThrownUpIntoTheAir) {
+  const auto none = [](const query::MotionGuide& guide, const cv::Mat& motion, const cv::Mat& luma,
+                       const cv::Mat& matte) {
+    return coming_down(motion, guide, luma, matte).share.empty();
+  };
+  const cv::Mat up = everywhere({0, -150});
+  EXPECT_FALSE(none(asked_to({0, -1}), up, streaks(true), jet()));
+  EXPECT_TRUE(none(asked_to({0, 1}), everywhere({0, 150}), streaks(true), jet())) << "a fall";
+  EXPECT_TRUE(none(asked_to({0, -1}), up, streaks(true), all())) << "it leaves the picture";
+  EXPECT_TRUE(none(asked_to({0, -1}), up, streaks(false), jet())) << "ripples";
+  cv::Mat arch = up.clone();
+  arch.rowRange(0, 80).setTo(cv::Scalar(150, 0));
+  EXPECT_TRUE(none(asked_to({0, -1}), arch, streaks(true), jet())) << "it is drawn how it turns";
+  query::MotionGuide guide = asked_to({0, -1});
+  guide.speed = cv::Mat(kPicture, CV_32F, cv::Scalar(30));
+  EXPECT_TRUE(none(guide, up, streaks(true), jet())) << "a speed that is asked is asked";
+}
+
 }  // namespace
 }  // namespace freshet::synth::animate
