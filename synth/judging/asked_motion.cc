@@ -13,7 +13,7 @@ constexpr double kMoves = 1.0 / 3;  // of the fluid's mean speed
 
 }  // namespace
 
-Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked) {
+Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked, bool comes_down) {
   if (asked.direction.empty()) return {};
   cv::Mat direction;
   cv::resize(asked.direction, direction, film.size(), 0, 0, cv::INTER_AREA);
@@ -26,7 +26,9 @@ Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked
       const cv::Vec2f moves = motion.mean.at<cv::Vec2f>(y, x), to = direction.at<cv::Vec2f>(y, x);
       if (film.fluid().at<std::uint8_t>(y, x) == 0 || !(cv::norm(to) > 0.1) || cv::norm(moves) < least)
         continue;
-      const double angle = std::atan2(std::abs(moves[0] * to[1] - moves[1] * to[0]), moves.dot(to));
+      const double along = moves.dot(to), across = std::abs(moves[0] * to[1] - moves[1] * to[0]);
+      const bool either_way = comes_down && to[1] < -std::abs(to[0]);
+      const double angle = std::atan2(across, either_way ? std::abs(along) : along);
       degrees.at<float>(y, x) = static_cast<float>(angle * 180 / std::numbers::pi);
       counted.at<std::uint8_t>(y, x) = 255;
       sum += degrees.at<float>(y, x);

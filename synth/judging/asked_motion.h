@@ -17,7 +17,8 @@ struct Asked {
 
 /// Angle between the film's mean motion and the direction asked, degrees, mean over the fluid where the film moves by a
 /// third of its own mean speed. NaN without a direction.
-Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked);
+/// comes_down  what goes up comes down: where up was asked, down is no angle (water that is thrown up, not smoke).
+Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked, bool comes_down);
 
 /// How far the length of the film's mean motion is from the speed asked, octaves, both means over the fluid where a
 /// speed was asked. NaN without a speed; without a map.

@@ -14,10 +14,19 @@ Asked towards(float x, float y) { return {cv::Mat(kMadeSize, CV_32FC2, cv::Scala
 TEST(JudgingAskedMotion, TheAngleIsThatBetweenMotionAndWhatWasAsked) {
   const Evidence film = made_film();  // drifts right
   const FilmMotion motion = film_motion(film);
-  EXPECT_LT(motion_angle(film, motion, towards(1, 0)).value, 15);
-  EXPECT_NEAR(motion_angle(film, motion, towards(0, 1)).value, 90, 15);
-  EXPECT_GT(motion_angle(film, motion, towards(-1, 0)).value, 165);
-  EXPECT_TRUE(std::isnan(motion_angle(film, motion, {}).value));
+  EXPECT_LT(motion_angle(film, motion, towards(1, 0), false).value, 15);
+  EXPECT_NEAR(motion_angle(film, motion, towards(0, 1), false).value, 90, 15);
+  EXPECT_GT(motion_angle(film, motion, towards(-1, 0), false).value, 165);
+  EXPECT_TRUE(std::isnan(motion_angle(film, motion, {}, false).value));
+}
+
+TEST(JudgingAskedMotion, WhatGoesUpMayComeDown) {
+  const Evidence film = made_film();
+  FilmMotion motion = film_motion(film);
+  for (auto& moves : cv::Mat_<cv::Vec2f>(motion.mean)) moves = {-moves[1], moves[0]};  // right becomes down
+  EXPECT_GT(motion_angle(film, motion, towards(0, -1), false).value, 165);
+  EXPECT_LT(motion_angle(film, motion, towards(0, -1), true).value, 15);
+  EXPECT_GT(motion_angle(film, motion, towards(-1, 0), true).value, 75) << "but not go aside";
 }
 
 TEST(JudgingAskedMotion, TheSpeedAskedIsComparedInOctavesWhereItWasAsked) {
