@@ -60,7 +60,7 @@ struct Document {
   std::string horizon = "auto";  // or "none"
   bool moving_outline = false;
   std::string layout = {};  // as --layout; empty: as in the clips
-  double detail_life = 0;   // as --detail-life, s; 0: the clips' own
+  double detail_life = 0;   // as --detail-life, s; 0: as the clips have it
   std::string flames = {};  // --method forms --flames clips; empty: no method is named
   // Of the other ways, a row of each_way for each:
   Design design = {};

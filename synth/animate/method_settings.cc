@@ -139,7 +139,7 @@ std::vector<MethodSetting> rows() {
           {0, 1}, [](CarriedOptions& o) { return &o.glitter; }),
       number("detail-life",
              "Half-life of moving detail, s: short for rapids and flames (.2), long for clouds (4); 0: the "
-             "clips' own",
+             "clips' own, of water .4 of that",
              {0, 60}, [](CarriedOptions& o) { return &o.half_life_s; }),
       word<Layout>(
           "layout",

@@ -10,32 +10,47 @@ namespace freshet::synth::judging {
 namespace {
 
 constexpr double kMoves = 1.0 / 3;  // of the fluid's mean speed
+constexpr double kRises = 0.1;  // of what goes up and down: a fountain's rises by .21, one that falls by none
+
+bool is_up(const cv::Vec2f& to) { return to[1] < -std::abs(to[0]); }
+
+/// Of what was asked to go up and moves, enough rises.
+bool rises(const cv::Mat& moves, const cv::Mat& asked, const cv::Mat& counted) {
+  int up = 0, rising = 0;
+  for (int y = 0; y < moves.rows; ++y)
+    for (int x = 0; x < moves.cols; ++x)
+      if (counted.at<std::uint8_t>(y, x) != 0 && is_up(asked.at<cv::Vec2f>(y, x))) {
+        ++up;
+        rising += moves.at<cv::Vec2f>(y, x)[1] < 0 ? 1 : 0;
+      }
+  return rising > kRises * up;
+}
 
 }  // namespace
 
-Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked, bool comes_down) {
+Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked,
+                     std::string_view kind) {
   if (asked.direction.empty()) return {};
   cv::Mat direction;
   cv::resize(asked.direction, direction, film.size(), 0, 0, cv::INTER_AREA);
   const double least = kMoves * cv::mean(motion.speed, film.fluid())[0];
   cv::Mat degrees = cv::Mat::zeros(film.size(), CV_32F), counted = cv::Mat::zeros(film.size(), CV_8U);
-  double sum = 0;
-  int count = 0;
+  for (int y = 0; y < degrees.rows; ++y)
+    for (int x = 0; x < degrees.cols; ++x)
+      if (film.fluid().at<std::uint8_t>(y, x) != 0 && cv::norm(direction.at<cv::Vec2f>(y, x)) > 0.1 &&
+          cv::norm(motion.mean.at<cv::Vec2f>(y, x)) >= least)
+        counted.at<std::uint8_t>(y, x) = 255;
+  if (cv::countNonZero(counted) == 0) return {};
+  const bool comes_down = kind == "water" && rises(motion.mean, direction, counted);
   for (int y = 0; y < degrees.rows; ++y)
     for (int x = 0; x < degrees.cols; ++x) {
+      if (counted.at<std::uint8_t>(y, x) == 0) continue;
       const cv::Vec2f moves = motion.mean.at<cv::Vec2f>(y, x), to = direction.at<cv::Vec2f>(y, x);
-      if (film.fluid().at<std::uint8_t>(y, x) == 0 || !(cv::norm(to) > 0.1) || cv::norm(moves) < least)
-        continue;
-      const double along = moves.dot(to), across = std::abs(moves[0] * to[1] - moves[1] * to[0]);
-      const bool either_way = comes_down && to[1] < -std::abs(to[0]);
-      const double angle = std::atan2(across, either_way ? std::abs(along) : along);
+      const double across = std::abs(moves[0] * to[1] - moves[1] * to[0]), along = moves.dot(to);
+      const double angle = std::atan2(across, comes_down && is_up(to) ? std::abs(along) : along);
       degrees.at<float>(y, x) = static_cast<float>(angle * 180 / std::numbers::pi);
-      counted.at<std::uint8_t>(y, x) = 255;
-      sum += degrees.at<float>(y, x);
-      ++count;
     }
-  if (count == 0) return {};
-  return {.value = sum / count, .map = {cell_means(degrees, counted)}};
+  return {.value = cv::mean(degrees, counted)[0], .map = {cell_means(degrees, counted)}};
 }
 
 Reading speed_ratio(const Evidence& film, const FilmMotion& motion, const Asked& asked) {

@@ -1,6 +1,8 @@
 // synth/judging/asked_motion.h — how the film moves against what was asked of it.
 #pragma once
 
+#include <string_view>
+
 #include <opencv2/core.hpp>
 
 #include "synth/judging/evidence.h"
@@ -17,8 +19,9 @@ struct Asked {
 
 /// Angle between the film's mean motion and the direction asked, degrees, mean over the fluid where the film moves by a
 /// third of its own mean speed. NaN without a direction.
-/// comes_down  what goes up comes down: where up was asked, down is no angle (water that is thrown up, not smoke).
-Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked, bool comes_down);
+/// kind  of fluid. Water that is thrown up comes down again: where up was asked, down is no angle if some of it rises.
+Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked,
+                     std::string_view kind);
 
 /// How far the length of the film's mean motion is from the speed asked, octaves, both means over the fluid where a
 /// speed was asked. NaN without a speed; without a map.

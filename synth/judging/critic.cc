@@ -89,7 +89,7 @@ Verdict judge(const Evidence& film, const std::string& kind, const Asked& asked)
   add(Measure::kSeams, seams(film));
   add(Measure::kDents, dents(film));
   add(Measure::kStillness, stillness(film));
-  add(Measure::kAngle, motion_angle(film, motion, asked, kind == "water"));
+  add(Measure::kAngle, motion_angle(film, motion, asked, kind));
   add(Measure::kAskedSpeed, speed_ratio(film, motion, asked));
   verdict.findings.push_back(speed);
   for (const Finding& finding : verdict.findings) verdict.faults += finding.fault;

@@ -15,10 +15,10 @@ class WidenedRows {
   /// coarse   CV_32F, finite; outlives this. size: of what is read, px.
   WidenedRows(const cv::Mat& coarse, cv::Size size);
 
-  /// A row: value x is upper[x] * of_upper + lower[x] * of_lower.
   struct Row {
     const float *upper, *lower;
     float of_upper, of_lower;
+    [[gnu::always_inline]] float at(int x) const { return upper[x] * of_upper + lower[x] * of_lower; }
   };
   /// Rows in ascending order; the last one's stands until the next call.
   Row at(int y);

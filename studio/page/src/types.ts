@@ -57,7 +57,7 @@ export interface Document {
   horizon: "auto" | "none";
   moving_outline: boolean;
   layout: "" | "goes" | "stands"; // these three as a take has changed them
-  detail_life: number; // s; 0: the clips' own
+  detail_life: number; // s; 0: as the clips have it
   flames: "" | "clips";
   design: Design;
   stills: Stills;

@@ -54,10 +54,10 @@ constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
 // they fade.
 constexpr double kSparkleLife_s = 0.2, kSparkleTravel_px = 0.8, kSparkleSpread_px = 30, kSparklePatch = 2,
                  kSparkleEdge_px = 8;
-constexpr const char* kWater = "water";  // the class of fluid that falls, and glitters
+constexpr const char* kWater = "water";  // the class of fluid that falls, glitters and ripples
 // Lives in the clips are those of what the flow follows, less noise. On water much is glint or ripple that goes its own
-// way and comes anew sooner: there copies live for this share of them, but no shorter than footage's own half-life of
-// detail (.28 s), or a sea turns to crumbs (docs/measurements/quality.md).
+// way and comes anew sooner: there copies live for this share of them, but not for less than this unless the clips do,
+// or a sea turns to crumbs (docs/measurements/quality.md).
 constexpr double kFollowed = 0.4, kLeastFollowed_s = 0.25;
 // How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
 // clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From kWhole* on they go without shear, from
@@ -149,7 +149,9 @@ class CarriedRenderer final : public Renderer {
   int batch() const override { return innovations_ ? innovations_->batch() : animation_.options.frames; }
   cv::Mat motion(int output) const override { return sequence_->at(output); }
   cv::Mat step(int output) const override {
-    return for_every_pixel(field_->at(output), field_->step(), still_.luma.size());
+    cv::Mat goes = field_->at(output);
+    if (other_way_) other_way_->displacement(output).copyTo(goes, other_way_->share > 0.5);
+    return for_every_pixel(goes, field_->step(), still_.luma.size());
   }
 
   void read(std::span<const int> outputs) override {
@@ -194,8 +196,8 @@ class CarriedRenderer final : public Renderer {
     still_.luma = glitter_->ground_luma();
   }
 
-  /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
-  /// one size turn over in a time that falls as their speed rises.
+  /// As long as detail does in the patches that are shown (of water less: kFollowed), but shorter where they are made
+  /// to go faster: eddies of one size turn over in a time that falls as their speed rises.
   void measure_life() {
     const PieceLives lives = piece_lives(animation_.snapshot, animation_.placement);
     measured_shares_ = standing_shares(animation_.snapshot, animation_.placement,
@@ -284,7 +286,8 @@ class CarriedRenderer final : public Renderer {
     if (glitter_ && first.frame) measure_rest_of_colour(whole, *first.frame);
   }
 
-  /// Of water that is thrown up, what comes down. An outline that moves goes up alone.
+  /// Of water that is thrown up, what comes down. An outline that moves goes up alone. What comes anew (residuals,
+  /// which live for .05 s) goes up in all of it.
   void lay_other_way(const CarryingOptions& carrying) {
     const FrameOptions& frames = animation_.options;
     if (!places_class(animation_, kWater) || frames.moving()) return;

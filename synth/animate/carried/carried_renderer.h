@@ -34,7 +34,7 @@ struct CarriedOptions {
   CarriedBaseOptions carry{};
   LostContrastOptions contrast{};
   /// How long detail lives that is carried along, s, until half of it is left; 0: as long as in the clips that are
-  /// shown.
+  /// shown, of water .4 of that.
   double half_life_s = 0;
   /// How much shorter detail lives where the fluid is made to go faster than its patches (pace): lives are
   /// divided by pace to this power. Eddies of one size turn over in a time that falls as their speed rises. .5 and 1

@@ -83,6 +83,7 @@ class CopyMaps {
   /// places        A copy that would bring rock, what lies beyond the picture (which is guessed) or what looks unlike
   ///               the place leaves it to the others, and so does one whose forms the motion has drawn out or squeezed
   ///               there: foam stays where water breaks, a pool at the foot of its fall, and a fall is no haze.
+  /// other         What goes the other way; its copies begin as these, and take as much time and memory again.
   CopyMaps(std::function<cv::Mat(int)> displacement, const CopyPlaces& places, int step,
            const CopyOptions& options, std::optional<CopyStarts> starts = std::nullopt,
            std::optional<OtherWay> other = std::nullopt);

@@ -29,11 +29,12 @@ constexpr float kLeans = 0.47f;                              // tangent of 25 de
 constexpr double kGained = 3, kLost = 0.9;                   // of the first speed's square, down and up
 constexpr double kEvenRows = 0.05;                           // sigma, of the height
 constexpr float kMostFaster = 4;
+constexpr double kFalls = 0.35, kMostGain = 4;  // longer sides a second; times the patches' own mean speed
 // Of what is thrown up: of half its width what rises, in the middle (.21 of a fountain's places do, .33 of a simulated
-// one's), and over which it goes over to what comes down; how far above it air is looked for, of the picture's height.
+// one's), and to both sides of that, over which it goes over to what comes down; how far above it air is looked for, of
+// the picture's height.
 constexpr float kCore = 0.35f, kCoreEdge = 0.2f;
 constexpr double kOpen = 0.02;
-constexpr double kFalls = 0.35, kMostGain = 4;  // longer sides a second; times the patches' own mean speed
 
 /// Directions evened out, of length 1 where they agree and less where they oppose each other; 0 where none is asked.
 cv::Mat evened(const cv::Mat& direction) {
@@ -305,7 +306,7 @@ ComingDown coming_down(const cv::Mat& motion, const query::MotionGuide& guide, c
   for (const Stretch& stretch : stretches(motion, guide, luma, matte, -1)) {
     if (!ends_in_the_open(stretch, matte)) continue;
     if (out.share.empty()) out.share = turned.clone();
-    turned.setTo(stretch.sure, stretch.within);
+    turned.setTo(1, stretch.within);
     for (int y = stretch.rows.start; y < stretch.rows.end; ++y)
       share_row(stretch.within.ptr(y), motion.cols, static_cast<float>(stretch.sure),
                 out.share.ptr<float>(y));

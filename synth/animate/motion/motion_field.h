@@ -54,8 +54,9 @@ cv::Mat falling_freely(const cv::Mat& motion, const query::MotionGuide& guide, c
 
 /// What was thrown up and comes down again.
 struct ComingDown {
-  cv::Mat motion;  // CV_32FC2, px/s; elsewhere the motion that was given. Empty: nothing is thrown up.
-  cv::Mat share;   // CV_32F, 0..1: how far a place shows it; elsewhere 0
+  // Both go over, across the stretch's ends and some 6 px (of 640) beyond, to the motion that was given and to 0.
+  cv::Mat motion;  // CV_32FC2, px/s. Empty: nothing is thrown up.
+  cv::Mat share;   // CV_32F, 0..1: how far a place shows it
 };
 
 /// Water that falling_freely() lets rise, and that ends in the open above, comes down beside its core: at every height

@@ -62,7 +62,7 @@ class CarriedBase {
   // height fours of blue - luma, red - luma, weight and 0; each with a margin. Beyond the matte the fluid's own values
   // go on: what a copy brings from there counts little, and it is not rock.
   cv::Mat luma_, weight_, colour_;  // CV_32F, CV_32F, CV_32FC4
-  cv::Mat faded_;                   // CV_32S: by how many blocks before it hold a weight below 1
+  cv::Mat faded_;                   // CV_32S: 255 for each block before it that holds a weight below 1
   CopyPlaces places_;
   cv::Mat own_;  // CV_32F, at half, of the picture: the place's own weight
   float fraction_ = 1;

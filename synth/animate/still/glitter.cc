@@ -16,10 +16,10 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr double kMeant_px = 640;                     // of the longer side: what lengths are meant for
-constexpr double kDetail_px = 4, kFacet_px = 0.6;     // sigmas: of detail, and before gradients
-constexpr double kLeastSigma = 4;                     // samples: what is blurred wider is reduced before
-constexpr double kAround_px = 10;                     // sigma of what a place shows
+constexpr double kMeant_px = 640;                  // of the longer side: what lengths are meant for
+constexpr double kDetail_px = 4, kFacet_px = 0.6;  // sigmas: of detail, and before gradients
+constexpr double kLeastSigma = 4;  // samples: so wide a blur is left once what is blurred wider is reduced
+constexpr double kAround_px = 10;  // sigma of what a place shows
 constexpr double kSparkle_px = 17, kLargest_px = 33;  // of sparkles, and of sparkles that run together
 constexpr double kUsualOver_px = 14;                  // sigma of their usual strength
 constexpr double kMuchFrom = 0.1, kMuchSure = 0.15;   // of all light above the ground
@@ -53,6 +53,7 @@ cv::Mat blurred(const cv::Mat& of, double sigma) {
   // The reduction and the way back blur as well: variances of a box and a tent.
   const double left = std::sqrt(sigma * sigma - (factor * factor - 1) / 4.0) / factor;
   cv::GaussianBlur(reduced, smooth, {}, left, left, cv::BORDER_REPLICATE);
+  if (factor == 1) return smooth;
   cv::resize(smooth, out, of.size(), 0, 0, cv::INTER_LINEAR);
   return out;
 }
@@ -131,13 +132,12 @@ cv::Mat halved(const cv::Mat& of, cv::Size half) {
 }
 
 /// light: what a row of texture is of it, as far as the ground leaves room below the brightest; luma has it added.
-FRESHET_WIDE void add_light(const sampling::WidenedRows::Row& gains, const float* texture, const float* usual,
+FRESHET_WIDE void add_light(sampling::WidenedRows::Row gains, const float* texture, const float* usual,
                             const float* brightest, int n, float* luma, float* light) {
-  const float *upper = gains.upper, *lower = gains.lower, a = gains.of_upper, b = gains.of_lower;
 #pragma GCC ivdep
   for (int x = 0; x < n; ++x) {
     const float room = brightest[x] - luma[x], most = room > 0 ? room : 0.0f;
-    const float wanted = usual[x] * (1 + (upper[x] * a + lower[x] * b) * texture[x]);
+    const float wanted = usual[x] * (1 + gains.at(x) * texture[x]);
     const float lit = wanted > 0 ? wanted : 0.0f;
     light[x] = lit < most ? lit : most;
     luma[x] += light[x];

@@ -28,12 +28,8 @@ cv::Mat power_of(const cv::Mat& squares) {
   return cells;
 }
 
-[[gnu::always_inline]] inline float at(const sampling::WidenedRows::Row& row, int x) {
-  return row.upper[x] * row.of_upper + row.lower[x] * row.of_lower;
-}
-
 FRESHET_WIDE void mix_rest(sampling::WidenedRows::Row shares, const float* other, int n, float* band) {
-  for (int x = 0; x < n; ++x) band[x] += at(shares, x) * (other[x] - band[x]);
+  for (int x = 0; x < n; ++x) band[x] += shares.at(x) * (other[x] - band[x]);
 }
 
 /// wanted: what the powers of both make together; found: the square of what they are mixed to.
@@ -41,7 +37,7 @@ FRESHET_WIDE void mix_bands(sampling::WidenedRows::Row shares, const float* stan
                             float* band, float* wanted, float* found) {
 #pragma GCC ivdep
   for (int x = 0; x < n; ++x) {
-    const float share = at(shares, x), left = 1 - share, own = band[x], texture = other[x];
+    const float share = shares.at(x), left = 1 - share, own = band[x], texture = other[x];
     const float least = share < 0.0f ? 0.0f : share, most = left < 0.0f ? 0.0f : left;
     wanted[x] = own * own * left + texture * texture * share;
     const float mixed = std::sqrt(most) * own + share * stands[x] + std::sqrt(least) * (texture - stands[x]);
@@ -51,7 +47,7 @@ FRESHET_WIDE void mix_bands(sampling::WidenedRows::Row shares, const float* stan
 }
 
 FRESHET_WIDE void amplify(sampling::WidenedRows::Row gains, int n, float* band) {
-  for (int x = 0; x < n; ++x) band[x] *= at(gains, x);
+  for (int x = 0; x < n; ++x) band[x] *= gains.at(x);
 }
 
 }  // namespace

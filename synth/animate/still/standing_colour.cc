@@ -26,13 +26,12 @@ cv::Mat around(const cv::Mat& cells) {
 }
 
 FRESHET_WIDE void add_row(sampling::WidenedRows::Row more, int n, float* to) {
-  for (int x = 0; x < n; ++x) to[x] += more.upper[x] * more.of_upper + more.lower[x] * more.of_lower;
+  for (int x = 0; x < n; ++x) to[x] += more.at(x);
 }
 FRESHET_WIDE void add_row(sampling::WidenedRows::Row more, int n, std::int16_t* to) {
   constexpr float kMost = 32767, kWhole = 12582912;  // 1.5 * 2^23: what is added to it has no fraction left
   for (int x = 0; x < n; ++x) {
-    const float sum =
-        static_cast<float>(to[x]) + (more.upper[x] * more.of_upper + more.lower[x] * more.of_lower);
+    const float sum = static_cast<float>(to[x]) + more.at(x);
     const float low = sum > -kMost ? sum : -kMost, inside = low < kMost ? low : kMost;
     to[x] = static_cast<std::int16_t>(static_cast<int>((inside + kWhole) - kWhole));
   }

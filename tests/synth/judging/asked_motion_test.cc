@@ -14,19 +14,23 @@ Asked towards(float x, float y) { return {cv::Mat(kMadeSize, CV_32FC2, cv::Scala
 TEST(JudgingAskedMotion, TheAngleIsThatBetweenMotionAndWhatWasAsked) {
   const Evidence film = made_film();  // drifts right
   const FilmMotion motion = film_motion(film);
-  EXPECT_LT(motion_angle(film, motion, towards(1, 0), false).value, 15);
-  EXPECT_NEAR(motion_angle(film, motion, towards(0, 1), false).value, 90, 15);
-  EXPECT_GT(motion_angle(film, motion, towards(-1, 0), false).value, 165);
-  EXPECT_TRUE(std::isnan(motion_angle(film, motion, {}, false).value));
+  EXPECT_LT(motion_angle(film, motion, towards(1, 0), "water").value, 15);
+  EXPECT_NEAR(motion_angle(film, motion, towards(0, 1), "water").value, 90, 15);
+  EXPECT_GT(motion_angle(film, motion, towards(-1, 0), "water").value, 165);
+  EXPECT_TRUE(std::isnan(motion_angle(film, motion, {}, "water").value));
 }
 
-TEST(JudgingAskedMotion, WhatGoesUpMayComeDown) {
+TEST(JudgingAskedMotion, WhatGoesUpMayComeDownBesideWhatRises) {
   const Evidence film = made_film();
-  FilmMotion motion = film_motion(film);
-  for (auto& moves : cv::Mat_<cv::Vec2f>(motion.mean)) moves = {-moves[1], moves[0]};  // right becomes down
-  EXPECT_GT(motion_angle(film, motion, towards(0, -1), false).value, 165);
-  EXPECT_LT(motion_angle(film, motion, towards(0, -1), true).value, 15);
-  EXPECT_GT(motion_angle(film, motion, towards(-1, 0), true).value, 75) << "but not go aside";
+  FilmMotion falls = film_motion(film);
+  for (auto& moves : cv::Mat_<cv::Vec2f>(falls.mean)) moves = {-moves[1], moves[0]};  // right becomes down
+  FilmMotion both = falls;
+  both.mean = falls.mean.clone();
+  both.mean.colRange(60, 100) *= -1;
+  EXPECT_GT(motion_angle(film, falls, towards(0, -1), "water").value, 165);
+  EXPECT_LT(motion_angle(film, both, towards(0, -1), "water").value, 15);
+  EXPECT_GT(motion_angle(film, both, towards(0, -1), "smoke").value, 75);
+  EXPECT_GT(motion_angle(film, both, towards(-1, 0), "water").value, 75) << "but not go aside";
 }
 
 TEST(JudgingAskedMotion, TheSpeedAskedIsComparedInOctavesWhereItWasAsked) {

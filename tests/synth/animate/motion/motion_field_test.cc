@@ -220,6 +220,19 @@ TEST(ComingDown, BesideTheCoreAsFastAsItRoseThereAndOnSideways) {
   }
 }
 
+TEST(ComingDown, WhatMayBeThrownUpShowsLessOfItAndComesDownAsFast) {
+  int between = 0;
+  for (double ripples = 0; ripples <= 1; ripples += 0.02) {
+    const cv::Mat luma = (1 - ripples) * streaks(true) + ripples * streaks(false);
+    const ComingDown down = coming_down(everywhere({0, -150}), asked_to({0, -150}), luma, jet());
+    if (down.share.empty()) continue;
+    const float share = down.share.at<float>(60, 207);
+    between += share > 0.1f && share < 0.8f ? 1 : 0;
+    EXPECT_EQ(down.motion.at<cv::Vec2f>(200, 125), cv::Vec2f(0, 150)) << ripples;
+  }
+  EXPECT_GT(between, 0);
+}
+
 TEST(ComingDown, NothingDoesThatIsNotThrownUpIntoTheAir) {
   const auto none = [](const query::MotionGuide& guide, const cv::Mat& motion, const cv::Mat& luma,
                        const cv::Mat& matte) {
