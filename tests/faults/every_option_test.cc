@@ -142,7 +142,7 @@ const std::vector<Row>& rows() {
       {"", "--vote 60"},
       {"", "--reuse 0", kCrowded},
       {"", "--crowd 0", kCrowded},
-      {"", "--rho 0", "--lambda 30"},
+      {"", "--rho 300", "--lambda 30"},
       {"", "--assignment assignment.json"},
       {"", "--cache kept"},
       {"", "--cache-size 1", "", Does::kRefuses},
@@ -172,7 +172,7 @@ const std::vector<Row>& rows() {
       {"", "--softness 1", kPaper},
       {"", "--variation 0"},
       {"", "--renewal 0"},
-      {"", "--standing 0"},
+      {"", "--standing 0", "--exclude clip2.mkv"},
       {"", "--detail-life 0.05"},
       {"", "--glitter 0", "",
        Does::kElsewhere},  // tests/synth/animate/carried/carried_renderer_test.cc: of water that glitters
