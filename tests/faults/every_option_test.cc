@@ -655,7 +655,7 @@ const Material& material() {
 }
 
 std::string with_ports(const std::string& word) {
-  const int port = 20000 + 2 * (::getpid() % 15000);
+  const int port = 20000 + 2 * (::getpid() % 6000);  // below those that the system gives to others
   return word == "PORT" ? std::to_string(port) : word == "OTHER" ? std::to_string(port + 1) : word;
 }
 
