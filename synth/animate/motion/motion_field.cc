@@ -98,13 +98,13 @@ std::vector<Stretch> stretches(const cv::Mat& motion, const query::MotionGuide& 
                                const cv::Mat& matte, float way) {
   if (guide.direction.empty() || guide.horizon) return {};  // a horizon is a plane's
   std::vector<Stretch> out;
-  cv::Mat labels, stats, unused;
-  const cv::Mat across = uprightness(luma, unit_of(luma));
+  cv::Mat labels, stats, unused, across;
   const int found =
       cv::connectedComponentsWithStats(upright(motion, guide, matte, way), labels, stats, unused, 4);
   for (int label = 1; label < found; ++label) {
     const int first = stats.at<int>(label, cv::CC_STAT_TOP), rows = stats.at<int>(label, cv::CC_STAT_HEIGHT);
     if (rows < kLeastFall * motion.rows) continue;
+    if (across.empty()) across = uprightness(luma, unit_of(luma));
     Stretch stretch{labels == label, {first, first + rows}};
     stretch.sure = smoothstep(kStreakedFrom, kStreakedSure, share_across(across, stretch.within));
     if (stretch.sure > 0) out.push_back(std::move(stretch));

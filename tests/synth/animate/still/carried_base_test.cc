@@ -113,6 +113,36 @@ TEST(CarriedBase, IsCopiesReadWhereTheirMapsSay) {
   EXPECT_GT(compared, 15 * kMiddle.area());
 }
 
+TEST(CarriedBase, WeightsThatAreNotReadAreAsTheyWouldBeRead) {
+  // Of a whole matte only what lies about a hole is read; of one that is all but whole, all. No side is a multiple of a
+  // cell's.
+  const cv::Size size(149, 91);
+  cv::Mat luma(size, CV_32F);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) luma.at<float>(y, x) = static_cast<float>(stripes(x, y));
+  const auto frame = [&](float of_matte, float of_hole) {
+    cv::Mat matte(size, CV_32F, cv::Scalar(of_matte));
+    matte(cv::Rect(70, 40, 9, 7)).setTo(of_hole);
+    const CarriedBase base(continued(fluid_planes(bgr_of(luma), luma, matte), matte, {}), {.edge_px = 1});
+    const cv::Size samples = base.places().own().size();
+    std::vector<CopyMap> copies;
+    for (const float shear : {0.06f, -0.09f}) {
+      CopyMap copy{.weight = cv::Mat(samples, CV_32F, cv::Scalar(0.5)), .source = cv::Mat(samples, CV_32FC2)};
+      for (int y = 0; y < samples.height; ++y)
+        for (int x = 0; x < samples.width; ++x)
+          copy.source.at<cv::Vec2f>(y, x) = CarriedBase::kStep * shear *
+                                            cv::Vec2f(static_cast<float>(y - samples.height / 2),
+                                                      static_cast<float>(x - samples.width / 2));
+      copies.push_back(copy);
+    }
+    return base.frame(copies).luma;
+  };
+  const cv::Mat unread = frame(1, 0.2f), read = frame(0.9998f, 0.2f), without = frame(1, 1);
+  const cv::Rect inside(12, 12, size.width - 24, size.height - 24);
+  EXPECT_LT(cv::norm(unread(inside), read(inside), cv::NORM_INF), 2e-3 * CarriedFrame::kOne);
+  EXPECT_GT(cv::norm(unread(inside), without(inside), cv::NORM_INF), 0.02 * CarriedFrame::kOne);
+}
+
 TEST(CarriedBase, ACopyThatHardlyShowsDoesNotTakeOverThinFluid) {
   // Thin dark fluid on the left, dense bright fluid on the right; a copy that brings the one to the other.
   cv::Mat luma = grey(0.2), matte(kHeight, kWidth, CV_32F, cv::Scalar(0.2));
