@@ -150,7 +150,10 @@ class CarriedRenderer final : public Renderer {
   cv::Mat motion(int output) const override { return sequence_->at(output); }
   cv::Mat step(int output) const override {
     cv::Mat goes = field_->at(output);
-    if (other_way_) other_way_->displacement(output).copyTo(goes, other_way_->share > 0.5);
+    if (other_way_) {
+      goes = goes.clone();  // the field's own is read by others
+      other_way_->displacement(output).copyTo(goes, other_way_->share > 0.5);
+    }
     return for_every_pixel(goes, field_->step(), still_.luma.size());
   }
 

@@ -174,6 +174,16 @@ TEST(CarriedRenderer, WhatIsThrownUpComesDownBesideItsCore) {
   EXPECT_GT(rises({56, 88}), 0.2);
   EXPECT_LT(rises({14, 28}), -0.2);
   EXPECT_LT(rises({116, 130}), -0.2);
+
+  std::vector<cv::Mat> motions;
+  const std::vector<cv::Mat> told = a_second_of(
+      picture, 0.4f, 1, [&](const cv::Mat& motion) { motions.push_back(motion.clone()); }, {}, jet, guide);
+  for (const cv::Mat& motion : motions) {
+    EXPECT_LT(cv::mean(motion(cv::Range(140, 200), cv::Range(60, 84)))[1], 0);
+    EXPECT_GT(cv::mean(motion(cv::Range(140, 200), cv::Range(16, 26)))[1], 0) << "its motion is what shows";
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    EXPECT_EQ(cv::norm(frames[i], told[i], cv::NORM_INF), 0) << "to tell it changes nothing: " << i;
 }
 
 }  // namespace
