@@ -171,9 +171,7 @@ class CarriedRenderer final : public Renderer {
     // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
     const double still = still_share(output);
     Carried carried = carry(output, 1 - still);
-    if (innovations_)
-      innovations_->add(output, 1 - still, std::lerp(kMaxLevel, kMaxLayoutLevel, share_.mean()),
-                        carried.luma);
+    if (innovations_) add_innovations(output, 1 - still, carried.luma);
     if (animation_.options.form == FrameForm::kFluid)
       return finisher_->finish_fluid(carried.luma, matte, carried.colour());
     cv::Mat frame = finisher_->finish(carried.luma, matte, carried.colour());
@@ -182,6 +180,18 @@ class CarriedRenderer final : public Renderer {
   }
 
  private:
+  /// begun  of what comes anew, 0..1.
+  void add_innovations(int output, double begun, cv::Mat& luma) {
+    const cv::Mat level = innovations_->take_level(output);
+    if (options_.level_sink) {
+      cv::Mat lighter = cv::Mat::zeros(luma.size(), CV_32F);
+      innovations_->add_level(begun * limited(level, kMaxLevel), lighter);
+      options_.level_sink(output, lighter);
+    }
+    innovations_->add(output, begun, limited(level, std::lerp(kMaxLevel, kMaxLayoutLevel, share_.mean())),
+                      luma);
+  }
+
   /// One output frame before anything comes anew, and before it is coloured.
   struct Carried {
     std::optional<CarriedFrame> frame;  // what brings its colour; where a layout stands it keeps its own

@@ -10,14 +10,6 @@
 namespace freshet::synth::animate {
 namespace {
 
-/// A picture has one light: what goes beyond `most` is a clip's flash, or a puff that crosses it.
-void limit_level(float most, cv::Mat& level) {
-  for (int y = 0; y < level.rows; ++y) {
-    auto* at = level.ptr<float>(y);
-    for (int x = 0; x < level.cols; ++x) at[x] = most * std::tanh(at[x] / most);
-  }
-}
-
 BlendOptions blend_options(const InnovationOptions& options) {
   return {.weights = options.weights, .low_band = LowBand::kShared, .low_band_reach = options.low_band_reach};
 }
@@ -68,13 +60,24 @@ void Innovations::advance(std::span<const int> outputs, std::size_t passed, cons
   for (std::size_t i = 0; i < passed; ++i) blender.drop(batches_.slot(outputs[i]));
 }
 
-void Innovations::add(int output, double begun, double max_level, cv::Mat& luma) {
+void Innovations::add(int output, double begun, const cv::Mat& level, cv::Mat& luma) {
   cv::Mat field = std::move(advanced_[static_cast<std::size_t>(output - first_)]);
   renewal_.show(field, luma, begun, counts_);
-  cv::Mat level = batches_.blender().take_level(batches_.slot(output));
-  limit_level(static_cast<float>(max_level), level);
   cv::scaleAdd(level, begun, field, field);
-  add_enlarged(field, canvas_.rect(), canvas_.scale(), luma);
+  add_level(field, luma);
+}
+
+void Innovations::add_level(const cv::Mat& level, cv::Mat& luma) const {
+  add_enlarged(level, canvas_.rect(), canvas_.scale(), luma);
+}
+
+cv::Mat limited(const cv::Mat& level, double most) {
+  cv::Mat out(level.size(), CV_32F);
+  for (int y = 0; y < level.rows; ++y)
+    for (int x = 0; x < level.cols; ++x)
+      out.at<float>(y, x) =
+          static_cast<float>(most) * std::tanh(level.at<float>(y, x) / static_cast<float>(most));
+  return out;
 }
 
 }  // namespace freshet::synth::animate

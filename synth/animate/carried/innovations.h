@@ -47,9 +47,14 @@ class Innovations {
   void read(std::span<const int> outputs) { batches_.read(outputs); }
   /// The innovations of successive frames, of which the first `passed` are not wanted.
   void advance(std::span<const int> outputs, std::size_t passed, const CarryingField& field);
-  /// Adds a frame's to its luma; once for each that was advanced to and is wanted. begun: of their share, 0..1.
-  /// max_level: by how much a place becomes lighter or darker at most, luma. Safe from many threads.
-  void add(int output, double begun, double max_level, cv::Mat& luma);
+  /// How much lighter than usual the patches are in a frame that was advanced to, on the canvas, luma. Once for each.
+  /// Safe from many threads.
+  cv::Mat take_level(int output) { return batches_.blender().take_level(batches_.slot(output)); }
+  /// Adds a frame's detail, and this level, to its luma; once for each that was advanced to and is wanted. begun: of
+  /// their share, 0..1. Safe from many threads.
+  void add(int output, double begun, const cv::Mat& level, cv::Mat& luma);
+  /// Adds what lies on the canvas to a picture.
+  void add_level(const cv::Mat& level, cv::Mat& luma) const;
 
  private:
   Animation& animation_;
@@ -61,5 +66,8 @@ class Innovations {
   std::vector<cv::Mat> advanced_;
   int first_ = 0;  // the output frame of the first of them
 };
+
+/// A picture has one light: what goes beyond `most` is a clip's flash, or a puff that crosses it. CV_32F, luma.
+cv::Mat limited(const cv::Mat& level, double most);
 
 }  // namespace freshet::synth::animate

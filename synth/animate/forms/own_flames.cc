@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -30,25 +32,55 @@ constexpr float kShines = 0.1f;       // levels above are flames
 constexpr float kOverAll = 0.02f;     // light: of a tongue that is all there where it has so much
 constexpr double kMostly =
     0.5;  // of all light, in tongues: what is beside them is what they light, a glass or a rim, and stands
-constexpr double kBedBeside = 0.004;  // of the same: columns that share their bed
+constexpr float kPalest = 1.1f;      // times the blue and the green of flames as bright
+constexpr float kFull = 0.15f;       // level of a ground that changes as the clips' does; a darker one less
+constexpr double kSoftSide = 0.015;  // of the same: sigma over which that ends towards the matte's sides
+constexpr double kBedBeside = 0.02;  // of the same: sigma of columns that share their bed
+constexpr double kSmallest = 0.004;  // of the same: half of a flame's least width that has one
+constexpr float kLeastBed = 0.05f;   // of the columns around: where fewer have a bed there is none
 
-cv::Mat thrice(const cv::Mat& level) {
+float brightness(const cv::Vec3f& colour) {
+  return kBlueLuma * colour[0] + kGreenLuma * colour[1] + kRedLuma * colour[2];
+}
+
+/// What is carried over a dark gap brought the gap's colour along, grey or blue: a flame is to be no paler than the
+/// picture's flames of its brightness are. usual  the colour of these.
+cv::Vec3f no_paler(cv::Vec3f light, const cv::Vec3f& usual) {
+  const float whole = brightness(light), of_usual = brightness(usual);
+  if (whole <= 0 || of_usual <= 0) return light;
+  for (int k = 0; k < 2; ++k) light[k] = std::min(light[k], kPalest * usual[k] * whole / of_usual);
+  light[2] = (whole - kBlueLuma * light[0] - kGreenLuma * light[1]) / kRedLuma;
+  return light;
+}
+
+/// Flames that have a bed and a reach: specks have none. CV_8U.
+cv::Mat whole_flames(const cv::Mat& level) {
+  const int speck =
+      2 * std::max(1, static_cast<int>(std::lround(kSmallest * std::max(level.cols, level.rows)))) + 1;
   cv::Mat out;
-  cv::merge(std::vector<cv::Mat>{level, level, level}, out);
+  cv::morphologyEx(level > kShines, out, cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {speck, speck}));
   return out;
 }
 
-/// By column, the lowest row of flames nearby; -1 where there are none.
-std::vector<int> beds_of(const cv::Mat& level) {
+/// By column, the lowest row of flames, even over neighbouring columns; -1 where there are none.
+std::vector<float> beds_of(const cv::Mat& level) {
   const double side = std::max(level.cols, level.rows);
-  const int wide = std::max(1, static_cast<int>(std::lround(kBedBeside * side)));
-  std::vector<int> own(level.cols, -1), bed(level.cols);
-  for (int y = 0; y < level.rows; ++y)
-    for (int x = 0; x < level.cols; ++x)
-      if (level.at<float>(y, x) > kShines) own[x] = y;
+  const cv::Mat flames = whole_flames(level);
+  cv::Mat sums = cv::Mat::zeros(1, level.cols, CV_32F), counts = sums.clone();
   for (int x = 0; x < level.cols; ++x)
-    bed[x] = *std::max_element(own.begin() + std::max(0, x - wide),
-                               own.begin() + std::min(level.cols, x + wide + 1));
+    for (int y = level.rows - 1; y >= 0; --y)
+      if (flames.at<std::uint8_t>(y, x) != 0) {
+        sums.at<float>(x) = static_cast<float>(y);
+        counts.at<float>(x) = 1;
+        break;
+      }
+  const double even = std::max(1.0, kBedBeside * side);
+  cv::GaussianBlur(sums, sums, {0, 1}, even, 0, cv::BORDER_CONSTANT);
+  cv::GaussianBlur(counts, counts, {0, 1}, even, 0, cv::BORDER_CONSTANT);
+  std::vector<float> bed(level.cols, -1);
+  for (int x = 0; x < level.cols; ++x)
+    if (counts.at<float>(x) > kLeastBed) bed[x] = sums.at<float>(x) / counts.at<float>(x);
   return bed;
 }
 
@@ -57,34 +89,59 @@ std::vector<int> beds_of(const cv::Mat& level) {
 cv::Mat reach_of(const cv::Mat& level) {
   const double side = std::max(level.cols, level.rows), near = kNearFlames * side, below = kBelow * side;
   cv::Mat distance, reach(level.size(), CV_32F);
-  cv::distanceTransform(level <= kShines, distance, cv::DIST_L2, 3);
-  const std::vector<int> bed = beds_of(level);
+  cv::distanceTransform(~whole_flames(level), distance, cv::DIST_L2, 3);
+  const std::vector<float> bed = beds_of(level);
   for (int x = 0; x < level.cols; ++x)
     for (int y = 0; y < level.rows; ++y) {
-      const double far = distance.at<float>(y, x) / near, under = bed[x] < 0 ? 0 : (y - bed[x]) / below;
+      const double away = distance.at<float>(y, x), far = away / near,
+                   under = bed[x] < 0 ? 0 : std::min<double>(y - bed[x], away) / below;
       reach.at<float>(y, x) = static_cast<float>(std::clamp(std::min(2 - far, 1 - under), 0.0, 1.0));
     }
   return reach;
 }
 
+/// What shines, as a picture on black: CV_32FC3, code.
+cv::Mat flames_on_black(const PartedStill& parted) {
+  cv::Mat out(parted.level.size(), CV_32FC3);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      cv::Vec3f& to = out.at<cv::Vec3f>(y, x) = {};
+      const cv::Vec3f& light = parted.light.at<cv::Vec3f>(y, x);
+      const float level = parted.level.at<float>(y, x), whole = brightness(light);
+      for (int k = 0; k < 3 && level > 0 && whole > 0; ++k)
+        to[k] = level_of(std::clamp(light[k] * light_of(level) / whole, 0.0f, 1.0f));
+    }
+  return out;
+}
+
 /// A fire's foot burns on while its flames go up: what comes from below the bed is as what burns above it, mirrored.
-cv::Mat fed_from_below(const cv::Mat& level) {
-  const std::vector<int> bed = beds_of(level);
-  cv::Mat fed = level.clone();
+cv::Mat fed_from_below(const cv::Mat& flames, const cv::Mat& level) {
+  const std::vector<float> bed = beds_of(level);
+  cv::Mat fed = flames.clone();
   for (int x = 0; x < level.cols; ++x)
-    for (int y = bed[x] + 1; bed[x] >= 0 && y < level.rows; ++y)
-      fed.at<float>(y, x) = 2 * bed[x] - y >= 0 ? level.at<float>(2 * bed[x] - y, x) : 0;
+    for (int y = static_cast<int>(bed[x]) + 1; bed[x] >= 0 && y < level.rows; ++y) {
+      const int mirrored = static_cast<int>(2 * bed[x]) - y;
+      if (mirrored >= 0 && level.at<float>(mirrored, x) > level.at<float>(y, x))
+        fed.at<cv::Vec3f>(y, x) = flames.at<cv::Vec3f>(mirrored, x);
+    }
   return fed;
 }
 
-/// The light alone as a picture: grey, on black.
-StillPart light_as_still(const StillPart& still, const PartedStill& parted) {
+/// 0 at the sides of a matte, to 1 at some distance from them.
+cv::Mat deep_in(const cv::Mat& alpha) {
+  cv::Mat soft;
+  cv::GaussianBlur(alpha, soft, {}, kSoftSide * std::max(alpha.cols, alpha.rows), 0, cv::BORDER_REPLICATE);
+  return cv::max(2 * soft - 1, 0.0);
+}
+
+/// The light alone as a picture.
+StillPart light_as_still(const StillPart& still, const PartedStill& parted, double piece_scale) {
   StillPart light = still;
-  light.luma = fed_from_below(parted.level);
-  light.target = thrice(light.luma);
+  light.target = fed_from_below(flames_on_black(parted), parted.level);
+  light.luma = luma_of(light.target);
   light.behind.release();
-  light.colours.slope = cv::Mat::zeros(parted.level.size(), CV_32FC3);
-  light.colours.offset = cv::Mat::zeros(parted.level.size(), CV_32FC3);
+  light.colours =
+      fit_colour(light.target, light.luma, still.alpha, static_cast<int>(std::lround(12 * piece_scale)));
   return light;
 }
 
@@ -194,7 +251,7 @@ class OwnFlames final : public Renderer {
         parted_(std::move(parted)),
         options_(options),
         tongues_(found_tongues()),
-        light_(light_as_still(still, parted_)),
+        light_(light_as_still(still, parted_, animation.placement.piece_scale)),
         light_options_(of_light(animation.options)),
         inner_{.snapshot = animation.snapshot,
                .settings = animation.settings,
@@ -204,16 +261,15 @@ class OwnFlames final : public Renderer {
                .options = light_options_,
                .progress = animation.progress,
                .stop = animation.stop},
-        carried_(make_renderer(inner_, light_, of_flames(options.carried))) {
+        carried_(make_renderer(inner_, light_, with_level(of_flames(options.carried)))) {
     AnimateReport& report = animation_.report;
     report.clips = inner_.report.clips;
     report.half_life_s = inner_.report.half_life_s;
     report.renewed = inner_.report.renewed;
     report.base_s += animation_.watch.lap();
-    own_ = parted_.light.clone();
-    for (int y = 0; y < own_.rows; ++y)
-      for (int x = 0; x < own_.cols; ++x)
-        own_.at<cv::Vec3f>(y, x) -= colours_.at(std::clamp(parted_.level.at<float>(y, x), 0.0f, 1.0f));
+    own_ = parted_.light - light_of(flames_on_black(parted_));
+    if (rest_stands_) own_.setTo(0);  // all of its light is shown
+    inside_ = deep_in(still.alpha);
     reach_ = reach_of(parted_.level);
   }
 
@@ -230,7 +286,8 @@ class OwnFlames final : public Renderer {
 
   cv::Mat finish(int output, const cv::Mat& matte) override {
     const float still = rest_stands_ ? 1 : remaining(output);
-    const cv::Mat level = rest_stands_ || output == 0 ? parted_.level : carried_level(output, matte);
+    const Carried carried = output == 0 ? Carried{parted_.level, parted_.light, {}} : carry(output, matte);
+    const cv::Mat& level = carried.level;
     cv::Mat swaying, shining = level;
     if (!tongues_.empty()) {
       swaying = cv::Mat::zeros(level.size(), CV_32FC4);
@@ -256,11 +313,12 @@ class OwnFlames final : public Renderer {
         // Where light has gone on, none of its own colour stays behind: it would be blue on white.
         const float now = level.at<float>(y, x), before = parted_.level.at<float>(y, x);
         const float kept = now < before ? light_of(now) / light_of(before) : 1.0f;
-        const cv::Vec3f flame = colours_.at(now) + still * kept * kept * own_.at<cv::Vec3f>(y, x) +
+        const cv::Vec3f flame = carried.light.at<cv::Vec3f>(y, x) +
+                                still * kept * kept * own_.at<cv::Vec3f>(y, x) +
                                 cv::Vec3f(tongue[0], tongue[1], tongue[2]);
-        const cv::Vec3f& ground = parted_.ground.at<cv::Vec3f>(y, x);
+        const cv::Vec3f ground = lit(y, x, more.at<float>(y, x), carried.lighter.at<float>(y, x));
         for (int k = 0; k < 3; ++k) {
-          const float code = level_of(std::max(0.0f, more.at<float>(y, x) * ground[k] + flame[k]));
+          const float code = level_of(std::max(0.0f, ground[k] + flame[k]));
           to[k] += share * (code - to[k]);
         }
       }
@@ -268,18 +326,51 @@ class OwnFlames final : public Renderer {
   }
 
  private:
-  /// The level of the flames that are carried, where they may be.
-  cv::Mat carried_level(int output, const cv::Mat& matte) {
+  /// What the patches and the carried flames do in an output frame.
+  struct Carried {
+    cv::Mat level, light;  // as PartedStill has them: of the flames, where they may be
+    cv::Mat lighter;       // CV_32F, luma: how much lighter than usual what the patches show is
+  };
+  Carried carry(int output, const cv::Mat& matte) {
     const cv::Mat fluid = carried_->finish(output, matte);
-    cv::Mat level(fluid.size(), CV_32F);
-    for (int y = 0; y < level.rows; ++y)
-      for (int x = 0; x < level.cols; ++x) {
+    Carried carried{.level = cv::Mat(fluid.size(), CV_32F),
+                    .light = cv::Mat(fluid.size(), CV_32FC3),
+                    .lighter = taken_level(output, fluid.size())};
+    for (int y = 0; y < fluid.rows; ++y)
+      for (int x = 0; x < fluid.cols; ++x) {
         const cv::Vec4f f = fluid.at<cv::Vec4f>(y, x);
-        const float now = f[3] > 0 ? std::clamp(f[1] / f[3], 0.0f, 1.0f) : parted_.level.at<float>(y, x);
-        level.at<float>(y, x) =
-            thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
+        cv::Vec3f& light = carried.light.at<cv::Vec3f>(y, x) = {};
+        for (int k = 0; k < 3 && f[3] > 0; ++k) light[k] = light_of(f[k] / f[3]);
+        const float now = level_of(brightness(light));
+        const float shown = thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
+        if (now > 0) light = no_paler(light, colours_.at(shown)) * (light_of(shown) / light_of(now));
+        carried.level.at<float>(y, x) = shown;
       }
-    return level;
+    if (rest_stands_) carried.level = parted_.level, carried.light = parted_.light;
+    return carried;
+  }
+
+  CarriedOptions with_level(CarriedOptions options) {
+    options.level_sink = [this](int output, const cv::Mat& lighter) {
+      const std::lock_guard lock(guard_);
+      lighter_[output] = lighter;
+    };
+    return options;
+  }
+  cv::Mat taken_level(int output, cv::Size size) {
+    const std::lock_guard lock(guard_);
+    const auto found = lighter_.extract(output);
+    return found ? found.mapped() : cv::Mat::zeros(size, CV_32F);
+  }
+
+  /// The ground as flames light it, and as that of the clips' fires glows, glimmers and is hazy: near a side of the
+  /// matte as beyond it.
+  cv::Vec3f lit(int y, int x, float more, float lighter) const {
+    const cv::Vec3f& ground = parted_.ground.at<cv::Vec3f>(y, x);
+    const float code = level_of(brightness(ground)), before = light_of(code);
+    if (before <= 0) return more * ground;
+    const float change = inside_.at<float>(y, x) * std::min(1.0f, code / kFull) * lighter;
+    return ground * (more * light_of(code + change) / before);
   }
 
   std::vector<OwnTongue> found_tongues() {
@@ -323,9 +414,12 @@ class OwnFlames final : public Renderer {
   const StillPart light_;
   const FrameOptions light_options_;
   Animation inner_;
+  std::mutex guard_;
+  std::map<int, cv::Mat> lighter_;  // by output frame, until it is finished
   std::unique_ptr<Renderer> carried_;
-  cv::Mat own_;    // CV_32FC3: the light less the colour of its level
-  cv::Mat reach_;  // CV_32F, 0..1: near the picture's flames
+  cv::Mat own_;     // CV_32FC3: the light less the colour of its level
+  cv::Mat inside_;  // CV_32F, 0..1: of the matte, how far from its sides
+  cv::Mat reach_;   // CV_32F, 0..1: near the picture's flames
 };
 
 }  // namespace

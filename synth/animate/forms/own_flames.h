@@ -16,16 +16,18 @@ namespace freshet::synth::animate {
 
 struct OwnFlamesOptions {
   CarriedOptions carried{};  // how the light is carried
-  double handover_s = 0.2;   // after which a flame's colour is its level's alone
-  double lighting = 0.5;     // how far the ground follows the light that falls on it by day, 0..1 (LitGround)
+  double handover_s =
+      0.2;  // after which nothing is left of what the light's picture lacks: colours below black
+  double lighting = 0.5;  // how far the ground follows the light that falls on it by day, 0..1 (LitGround)
   std::vector<store::ClipId>
       clips{};      // of fire, the most like first: as theirs sway, so do tongues of the picture
   double pace = 1;  // clip seconds per second of the animation, of those
 };
 
-/// The level of the picture's light is carried as a picture of its own would be, whose wide forms stand less than the
-/// clips' do; below its bed lies its mirror image, so that a foot burns on. Its colour follows the picture's curve over
-/// level (LightColours), so a flame that gets darker turns red, not grey. Logs, rims and embers do not move.
+/// The picture's light is carried as a picture of its own, on black, would be, whose wide forms stand less than the
+/// clips' do; below its bed lies its mirror image, so that a foot burns on. Logs, rims and embers do not move; they are
+/// lit by the flames (LitGround), and glow and glimmer place by place as the patches there do (their mean level, which
+/// neighbours share; of a ground darker than .15 less).
 /// A flame of one tongue (tongues_of) is not carried but sways as a whole, as the flame of a clip did; of the first
 /// kCourseClips clips that which is a tongue itself most often, or the calmest; as restless as halfway_to_usual.
 /// Frame 0 is the picture.

@@ -22,6 +22,8 @@ constexpr double kAround = 0.06;  // of the picture's longer side: surroundings 
 constexpr double kEmberSide = 0.012;  // of the same: sigma over which embers are told from flames
 constexpr double kGlow = 0.05;        // of the same: how far from flames there may be faint ones
 constexpr float kDark = 0.25f;  // luma: grounds below that are believed, lighter ones are seldom below flames
+constexpr float kReddest = 0.16f, kOrange = 0.24f;  // green over red, of light: of embers, and of flames
+constexpr float kPaleFrom = 0.5f, kPale = 0.75f;    // blue over green, of light: flames have less
 constexpr float kNotBelow = 0.97f;  // of that, what is lost below a fire: a rim that it burns behind
 constexpr double kSpeck = 0.04;  // of the largest flame: a smaller one that is not near a larger one is none
 constexpr double kLeastShining = 16;  // px
@@ -123,6 +125,12 @@ cv::Mat embers_of(const cv::Mat& whole, const cv::Mat& luma, const cv::Mat& shin
     const cv::Vec3f c = whole.at<cv::Vec3f>(y, x);
     return c[1] / std::max(c[2], 1e-3f);
   };
+  // A smooth flame's body is that, an ember is red; wax and wood that are lit are paler.
+  const auto orange = [&](int y, int x) {
+    const cv::Vec3f c = whole.at<cv::Vec3f>(y, x);
+    return ramp(ratio_of(y, x), kReddest, kOrange) *
+           (1 - ramp(c[0] / std::max(c[1], 1e-3f), kPaleFrom, kPale));
+  };
   cv::Mat embers = cv::Mat::zeros(luma.size(), CV_32F), weights = embers.clone();
   for (int y = 0; y < luma.rows; ++y)
     for (int x = 0; x < luma.cols; ++x) {
@@ -139,9 +147,9 @@ cv::Mat embers_of(const cv::Mat& whole, const cv::Mat& luma, const cv::Mat& shin
       const int step = step_of(y, x);
       if (luma.at<float>(y, x) <= 0.05f || count.at<double>(step) < least) continue;
       const double flame = sums.at<double>(step) / count.at<double>(step);
-      const double redder = 1 - ratio_of(y, x) / flame;
+      const float ratio = ratio_of(y, x), redder = 1 - ratio / static_cast<float>(flame);
       weights.at<float>(y, x) = luma.at<float>(y, x);
-      embers.at<float>(y, x) = luma.at<float>(y, x) * ramp(static_cast<float>(redder), 0.1f, 0.4f);
+      embers.at<float>(y, x) = luma.at<float>(y, x) * ramp(redder, 0.1f, 0.4f) * (1 - orange(y, x));
     }
   // A glowing log as a whole: its brightest spots are as white as a flame.
   const double sigma = kEmberSide * std::max(luma.cols, luma.rows);

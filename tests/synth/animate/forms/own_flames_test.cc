@@ -1,6 +1,7 @@
 #include "synth/animate/forms/own_flames.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,33 @@ AnimateOptions with_layout(Layout layout, int frames) {
   AnimateOptions options = by_itself(frames);
   options.method = FormsOptions{.flames = Flames::kOwn, .carried = {.layout = layout}};
   return options;
+}
+
+/// How much the mean of a place of frames varies over time, grey levels.
+double unrest(const std::vector<cv::Mat>& frames, const cv::Rect& where) {
+  std::vector<double> means;
+  for (std::size_t i = 5; i < frames.size(); ++i) means.push_back(cv::mean(frames[i](where))[0]);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(means, mean, deviation);
+  return deviation[0];
+}
+
+TEST(OwnFlames, TheGroundGlowsAsThatOfTheClipsDoes) {
+  const cv::Rect beside(0, 0, 40, 160);
+  const Made even = made_with(FlowingStore({rising()}), by_itself(40));
+  FlowingClip glowing = rising();
+  glowing.drawn = [](int i) {
+    cv::Mat frame = BurningClip{}.frame(i);
+    return cv::Mat(frame + cv::Scalar(15 + 12 * std::sin(0.8 * i)));
+  };
+  const Made made = made_with(FlowingStore({glowing}), by_itself(40));
+  EXPECT_GT(unrest(made.frames, beside), 2 * unrest(even.frames, beside));
+  // As light: it gets no other forms.
+  for (const cv::Mat& frame : made.frames) {
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(frame(cv::Rect(4, 60, 24, 24)), mean, deviation);
+    EXPECT_LT(deviation[0], 3);
+  }
 }
 
 /// How light frames are there, of the picture's, at the darkest.

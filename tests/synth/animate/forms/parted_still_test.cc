@@ -62,6 +62,16 @@ TEST(PartedStill, RedEmbersBelowYellowFlamesStand) {
   EXPECT_LT(parted.level.at<float>(122, 62), 0.1);
 }
 
+TEST(PartedStill, TheOrangeBodyOfAFlameIsNoEmber) {
+  cv::Mat picture = BurningPicture{}.units(), red;
+  cv::extractChannel(picture, red, 2);
+  picture.setTo(cv::Scalar(0.05, 0.68, 0.75), red > 0.5);
+  const cv::Rect body(40, 106, 44, 28);
+  picture(body).setTo(cv::Scalar(0.15, 0.52, 0.95));
+  const PartedStill parted = part(picture, kAll);
+  EXPECT_GT(parted.level.at<float>(120, 62), 0.4);
+}
+
 TEST(PartedStill, WhatIsPaleAndLitStandsBesideAFlame) {
   const BurningPicture fire;
   cv::Mat picture = fire.units();
