@@ -30,6 +30,7 @@
 #include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/quality/prior/optimised_still.h"
+#include "bench/quality/prior/transferred_flames.h"
 #include "bench/quality/prior/video_example.h"
 #include "bench/quality/quality_agreement.h"
 #include "bench/quality/quality_asked.h"
@@ -180,17 +181,14 @@ class Trial {
         const bench::Case& clip)
       : snapshot_(snapshot), base_(base), asked_(asked), case_(clip) {}
 
-  /// A rival that needs no labels, carried along what the clip did.
-  bench::Judged judge_carried(const bench::Method& method) {
+  /// A rival that needs no labels.
+  bench::Judged judge_unlabelled(const bench::Method& method) const {
     const double start = bench::wall_seconds();
-    std::vector<cv::Mat> flow;
-    if (method.renderer == bench::Renderer::kCarried)
-      flow.push_back(case_.motion / case_.fps);
-    else
-      for (const bench::PairMotion& motion : case_.motions) flow.push_back(motion.fine);
+    const bool transferred = method.renderer == bench::Renderer::kTransfer;
     const std::vector<cv::Mat> made =
-        bench::carry_still(case_.still, case_.matte, flow, static_cast<int>(case_.truth.size()));
-    bench::Judged judged{case_.name, case_.class_name, "true motion, " + method.name};
+        transferred ? transferred_flames(method) : carried_along_truth(method.renderer);
+    bench::Judged judged{case_.name, case_.class_name,
+                         (transferred ? "no hint, " : "true motion, ") + method.name};
     judged.render_s = bench::wall_seconds() - start;
     compare(made, bench::true_direction(case_), false, judged);
     return judged;
@@ -220,6 +218,38 @@ class Trial {
     synth::animate::Placement placement;
     query::LargestShares shares;
   };
+
+  std::vector<cv::Mat> carried_along_truth(bench::Renderer renderer) const {
+    std::vector<cv::Mat> flow;
+    if (renderer == bench::Renderer::kCarried)
+      flow.push_back(case_.motion / case_.fps);
+    else
+      for (const bench::PairMotion& motion : case_.motions) flow.push_back(motion.fine);
+    return bench::carry_still(case_.still, case_.matte, flow, static_cast<int>(case_.truth.size()));
+  }
+
+  std::vector<cv::Mat> transferred_flames(const bench::Method& method) const {
+    if (case_.class_name != "fire")
+      throw Error(
+          ErrorKind::kInput, case_.name,
+          fmt::format("{} is for clips of class fire, and this is {}", method.name, case_.class_name));
+    std::vector<store::ClipId> clips;
+    for (const store::ClipId id : snapshot_.clips()) {
+      const store::ClipRecord& clip = snapshot_.clip(id);
+      const bool excluded = !method.own && std::find(case_.same_scene.begin(), case_.same_scene.end(),
+                                                     clip.name) != case_.same_scene.end();
+      if (clip.class_name == "fire" && !excluded) clips.push_back(id);
+    }
+    cv::Mat picture, fluid;
+    case_.still.convertTo(picture, CV_32F, 1 / 255.0);
+    case_.matte.convertTo(fluid, CV_32F, 1 / 255.0);
+    const bench::FlameDesign design =
+        bench::design_of_flames(snapshot_, base_.settings.flow_step, picture, fluid, clips,
+                                static_cast<int>(case_.truth.size()), case_.fps);
+    for (const store::ClipId id : design.clips)
+      fmt::print(stderr, "  design: {}, fit {:.2f}\n", snapshot_.clip(id).name, design.fit);
+    return bench::transfer_flames(case_.still, case_.matte, design.still, design.levels);
+  }
 
   std::vector<cv::Mat> animated(const Labelled& labels, const bench::Method& method) const {
     synth::animate::AnimateOptions options = method.animate;
@@ -484,10 +514,11 @@ int run(const Asked& asked) {
     };
     const auto needs_hint = [](const bench::Method& method) {
       return method.renderer != bench::Renderer::kCarried &&
-             method.renderer != bench::Renderer::kCarriedVarying;
+             method.renderer != bench::Renderer::kCarriedVarying &&
+             method.renderer != bench::Renderer::kTransfer;
     };
     for (const bench::Method& method : methods)
-      if (!needs_hint(method)) attempt(method.name, [&] { return trial.judge_carried(method); });
+      if (!needs_hint(method)) attempt(method.name, [&] { return trial.judge_unlabelled(method); });
     for (const bench::NamedHint& hint : hints)
       for (const bench::Method& method : methods)
         if (needs_hint(method))

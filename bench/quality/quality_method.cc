@@ -51,13 +51,15 @@ std::function<void(Method&, const std::string&)> to(Field&& field) {
 const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> settings = [] {
     std::vector<Setting> all{
-        {"renderer", "animate, eulerian, eulerian-varying, optimised or example (see --methods)", false,
+        {"renderer", "animate, eulerian, eulerian-varying, optimised, example or transfer (see --methods)",
+         false,
          [](Method& m, const std::string& text) {
            m.renderer = one_of<Renderer>(text, {{"animate", Renderer::kAnimate},
                                                 {"eulerian", Renderer::kCarried},
                                                 {"eulerian-varying", Renderer::kCarriedVarying},
                                                 {"optimised", Renderer::kOptimised},
-                                                {"example", Renderer::kExample}});
+                                                {"example", Renderer::kExample},
+                                                {"transfer", Renderer::kTransfer}});
          }},
         {"costs", "log or power; resets the four weights that follow", true,
          [](Method& m, const std::string& text) {
@@ -146,6 +148,9 @@ const std::vector<NamedSettings>& methods() {
        "texture optimisation: the still's own patches, carried along what is asked; else along our labels"},
       {"okabe2009", "renderer=example",
        "one clip, the best for most pieces of those of the still's class: its residuals, carried likewise"},
+      {"transfer-own", "renderer=transfer",
+       "of fires alone: the still's own flames by appearance transfer, on alpha and flow of a clip's flames; "
+       "no hint"},
   };
   return all;
 }

@@ -16,7 +16,8 @@ enum class Renderer {
   kCarried,         // carry_still along the clip's true mean motion: no labels, no hint
   kCarriedVarying,  // carry_still along the clip's own flow, frame by frame
   kOptimised,       // optimise_still along what is asked
-  kExample          // animate_by_example of one clip, along what is asked
+  kExample,         // animate_by_example of one clip, along what is asked
+  kTransfer         // transfer_flames, of fires alone: no labels, no hint
 };
 
 struct Method {

@@ -1,23 +1,18 @@
 #include "bench/quality/prior/optimised_still.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/quality/prior/begun_transfer.h"
 #include "bench/quality/prior/carried.h"
-#include "synth/transfer/state_file.h"
 #include "synth/transfer/transfer.h"
 
 namespace freshet::bench {
 namespace {
 
 using namespace synth::transfer;
-using synth::GridOf;
 
 // px that the fluid goes on the average from one key frame to the next, at least. Patches lie on whole pixels: what
 // goes less than half of one stands.
@@ -38,25 +33,6 @@ cv::Mat mirrored(const cv::Mat& picture) {
   cv::Mat wide;
   cv::copyMakeBorder(picture, wide, kBeyond, kBeyond, kBeyond, kBeyond, cv::BORDER_REFLECT_101);
   return wide;
-}
-
-/// What the still leaves to frame 1: itself, each patch from its own place.
-State still_as_frame(const cv::Mat& bgra, const TargetFrame& design) {
-  const PixelGrid picture = premultiplied(bgra);
-  State state{1, picture, grid_of(design.alpha), vectors_of(design.flow),
-              GridOf<std::int32_t>(picture.width, picture.height)};
-  for (std::size_t i = 0; i < state.sources.values.size(); ++i)
-    state.sources.values[i] = static_cast<std::int32_t>(i);
-  return state;
-}
-
-/// A transfer takes what a frame left to it from a file.
-void begin_with(const State& state, const TransferOptions& options, Transfer& transfer) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / fmt::format("freshet_optimised_still_{}", getpid());
-  write_state(file, state, options);
-  transfer.load_state(file);
-  std::filesystem::remove(file);
 }
 
 cv::Mat laid_over(const cv::Mat& still, const cv::Mat& matte, const cv::Mat& bgra) {
@@ -86,7 +62,7 @@ std::vector<cv::Mat> optimise_still(const cv::Mat& still, const cv::Mat& matte, 
   const int step = frames_a_step(matte, flow, frames);
   const TargetFrame design{.alpha = mirrored(matte), .flow = mirrored(flow * step)};
   Transfer transfer([&](int) { return ExemplarFrame{bgra}; }, options);
-  begin_with(still_as_frame(bgra, design), options, transfer);
+  begin_with_still(bgra, design.flow, options, transfer);
   std::vector<cv::Mat> keys{still.clone()};
   while (static_cast<int>(keys.size() - 1) * step < frames - 1)
     keys.push_back(
