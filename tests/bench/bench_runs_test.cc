@@ -50,6 +50,11 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
                     still = sample().still, matte = sample().matte, target = still + ":" + matte;
   folder.freshet({"synth", "simulate", "waterfall", "--size", "192x144", "--frames", "16", "-o", "fall.mp4"});
   write_scribbles(folder / "marks.png");
+  fs::create_directories(folder / "fires/fire");
+  for (const char* const seed : {"1", "2"})
+    folder.freshet({"synth", "simulate", "firepit", "--size", "192x144", "--frames", "48", "--seed", seed,
+                    "-o", fmt::format("fires/fire/{}.mkv", seed)});
+  folder.freshet({"ingest", "fires.store", "fires"});
   fs::create_directories(folder / "takes");
   fs::copy_file(still, folder / "takes/one_still.png");
   fs::copy_file(matte, folder / "takes/one_matte.png");
@@ -87,6 +92,11 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
         "kwatra2005,okabe2009", "--limit", "1"},
        "measurements/quality.md",
        {"kwatra2005", "okabe2009"}},
+      {"bench_quality",
+       {"fires.store", "--frames", "24", "--width", "192", "--hints", "nothing", "--methods", "transfer-own",
+        "--limit", "1"},
+       "measurements/quality.md",
+       {"transfer-own"}},
       {"bench_quality",
        {store, "--frames", "24", "--width", "192", "--words", "40,300", "--hints", "nothing", "--methods",
         "nothing", "--limit", "1"},
