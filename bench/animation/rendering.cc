@@ -10,6 +10,7 @@
 // - rendered: frames made and dropped; with a file: made and written. The rest is what the encoder costs.
 // - encoder: the same frames, kept, written by the encoder with both cores to itself. No renderer that writes
 //   this file can be faster.
+// - CPU a frame: of the process, user and system, while frames are rendered, and rendered and written.
 // - end to end: from an unopened store to the finished file; cold: with the store dropped from the system's
 //   cache before (as far as no other process maps it).
 
@@ -72,7 +73,7 @@ class Rendering {
                 {"class", options_.candidates.class_name},
                 {"size", fmt::format("{}x{}", target_.picture.cols, target_.picture.rows)},
                 {"frames", command_.frames}};
-    std::vector<double> rendered, written, encoded, whole, cold;
+    std::vector<double> rendered, written, encoded, whole, cold, rendered_cpu, written_cpu;
     std::map<std::string, std::vector<double>> stages;
     for (int run = 0; run < command_.runs; ++run) {
       bench::drop_from_cache(command_.store);
@@ -83,8 +84,10 @@ class Rendering {
       const query::SearchBase base = query::open_search(snapshot);
       const synth::animate::Placement placement = placed(snapshot, base);
       std::vector<cv::Mat> kept;
+      double cpu = bench::process_seconds();
       const synth::animate::AnimateReport alone =
           render(snapshot, placement, [&](const cv::Mat& frame) { kept.push_back(frame); });
+      rendered_cpu.push_back(bench::process_seconds() - cpu);
       rendered.push_back(alone.total_s);
       for (const auto& [stage, seconds] : {std::pair{"decode", alone.decode_s},
                                            {"blend", alone.blend_s},
@@ -104,12 +107,16 @@ class Rendering {
       }
       encoded.push_back(bench::wall_seconds() - begin);
       kept.clear();
+      cpu = bench::process_seconds();
       written.push_back(animated(snapshot, placement));
+      written_cpu.push_back(bench::process_seconds() - cpu);
     }
     for (const auto& [stage, seconds] : stages) result["seconds"][stage] = bench::median(seconds);
     result["fps"] = {{"rendered", command_.frames / bench::median(rendered)},
                      {"written", command_.frames / bench::median(written)},
                      {"encoder", command_.frames / bench::median(encoded)}};
+    result["cpu_s_a_frame"] = {{"rendered", bench::median(rendered_cpu) / command_.frames},
+                               {"written", bench::median(written_cpu) / command_.frames}};
     result["end_to_end_s"] = bench::median(whole);
     result["cold_s"] = bench::median(cold);
     result["peak_bytes"] = bench::peak_bytes();
@@ -170,9 +177,9 @@ int run(int argc, char** argv) {
   fmt::print("{}\n\n", bench::to_string(machine));
   fmt::print(
       "| picture | size | pieces | decode | blend | base | match | render | frames/s | with a file | encoder "
-      "| "
+      "| CPU s a frame | and written | "
       "end to end s | cold s | peak MB |\n| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: "
-      "| "
+      "| --: | --: | "
       "--: | --: | --: |\n");
   json all{{"machine", bench::to_json(machine)}, {"runs", command.runs}, {"rows", json::array()}};
   for (const std::string& picture : command.pictures)
@@ -181,11 +188,11 @@ int run(int argc, char** argv) {
       const auto at = [&](const char* group, const char* name) { return row[group][name].get<double>(); };
       fmt::print(
           "| {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | **{:.1f}** | {:.1f} | {:.1f} | "
-          "{:.1f} | {:.1f} | {:.0f} |\n",
+          "{:.3f} | {:.3f} | {:.1f} | {:.1f} | {:.0f} |\n",
           row["picture"].get<std::string>(), size, row["pieces"].get<int>(), at("seconds", "decode"),
           at("seconds", "blend"), at("seconds", "base"), at("seconds", "match"), at("seconds", "render"),
-          at("fps", "rendered"), at("fps", "written"), at("fps", "encoder"),
-          row["end_to_end_s"].get<double>(), row["cold_s"].get<double>(),
+          at("fps", "rendered"), at("fps", "written"), at("fps", "encoder"), at("cpu_s_a_frame", "rendered"),
+          at("cpu_s_a_frame", "written"), row["end_to_end_s"].get<double>(), row["cold_s"].get<double>(),
           row["peak_bytes"].get<double>() / 1e6);
       std::fflush(stdout);
       all["rows"].push_back(row);
