@@ -80,7 +80,7 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
       {"bench_rendering",
        {store, "fall:" + target, "--sizes", "160x120", "--frames", "8", "--runs", "1"},
        "measurements/animation.md",
-       {"frames/s", "with a file", "encoder", "end to end", "cold"}},
+       {"frames/s", "with a file", "encoder", "CPU s a frame", "end to end", "cold"}},
       {"bench_quality",
        {store, "--frames", "24", "--width", "192", "--hints", "strokes+speed", "--methods", "ours,nothing",
         "--limit", "1"},
