@@ -180,7 +180,9 @@ void Blender::Impl::add(int frame, std::size_t patch, const cv::Mat& detail, flo
   Impl& self = *this;
   std::vector<cv::Mat>& sums = self.bands[frame];
   const int levels = self.options.levels;
-  if (self.mean_luma_of_piece[frame].empty()) {
+  // Anew, or over what was not taken of the frame before.
+  if (sums.empty() || self.mean_luma_of_piece[frame].empty()) {
+    sums.clear();
     for (int level = 0; level <= levels; ++level)
       sums.push_back(cv::Mat::zeros(self.canvas.height >> level, self.canvas.width >> level, CV_32F));
     self.mean_luma_of_piece[frame] = self.lattice->none();

@@ -56,8 +56,8 @@ struct CarriedOptions {
   /// What comes from the patches' pixels. Nothing: the motion alone, and no frame of a clip is read. For a first look:
   /// a third of the time.
   std::optional<InnovationOptions> innovations = InnovationOptions{};
-  /// Takes how much lighter than usual the patches are in an output frame: CV_32F of the picture's size, luma. finish()
-  /// calls it, where anything comes from their pixels. From many threads.
+  /// Takes how much lighter than usual the patches are in an output frame, .08 at most, in the share that has begun:
+  /// CV_32F of the picture's size, luma. finish() calls it, where anything comes from their pixels. From many threads.
   std::function<void(int output, const cv::Mat& lighter)> level_sink{};
 };
 

@@ -24,19 +24,20 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kReach = 0.08;       // sigma of the light around a flame, of the picture's longer side
-constexpr double kNearFlames = 0.08;  // of the same: so far from the picture's flames light may come anew
+constexpr double kNearFlames = 0.08;  // of the same: so far from its flames light may come anew
 constexpr float kBehind = 0.6f;       // levels that flames lose behind what may stand before them
-constexpr double kBelow = 0.012;      // of the same: over which light ends below the bed
+constexpr double kBelow = 0.012;      // of the same side: over which light ends below the bed
 constexpr double kWideLayout = 0.3;   // of flames (CarriedOptions::wide_layout)
 constexpr float kShines = 0.1f;       // levels above are flames
 constexpr float kOverAll = 0.02f;     // light: of a tongue that is all there where it has so much
 constexpr double kMostly =
     0.5;  // of all light, in tongues: what is beside them is what they light, a glass or a rim, and stands
-constexpr float kPalest = 1.1f;      // times the blue and the green of flames as bright
-constexpr float kFull = 0.15f;       // level of a ground that changes as the clips' does; a darker one less
-constexpr double kSoftSide = 0.015;  // of the same: sigma over which that ends towards the matte's sides
-constexpr double kBedBeside = 0.02;  // of the same: sigma of columns that share their bed
-constexpr double kSmallest = 0.004;  // of the same: half of a flame's least width that has one
+constexpr float kPalest = 1.1f;  // times the blue and the green of flames as bright
+constexpr float kFull = 0.15f;   // level of a ground that changes as the clips' does; a darker one less
+constexpr double kSoftSide =
+    0.015;  // of the longer side: sigma over which that ends towards the matte's sides
+constexpr double kBedBeside = 0.02;  // of the longer side: sigma of columns that share their bed
+constexpr double kSmallest = 0.004;  // of the longer side: half of a flame's least width that has one
 constexpr float kLeastBed = 0.05f;   // of the columns around: where fewer have a bed there is none
 
 float brightness(const cv::Vec3f& colour) {
@@ -53,7 +54,7 @@ cv::Vec3f no_paler(cv::Vec3f light, const cv::Vec3f& usual) {
   return light;
 }
 
-/// Flames that have a bed and a reach: specks have none. CV_8U.
+/// Flames that have a bed: specks have none. CV_8U.
 cv::Mat whole_flames(const cv::Mat& level) {
   const int speck =
       2 * std::max(1, static_cast<int>(std::lround(kSmallest * std::max(level.cols, level.rows)))) + 1;
@@ -88,13 +89,16 @@ std::vector<float> beds_of(const cv::Mat& level) {
 /// foot there, and copies that begin farther down do not show through.
 cv::Mat reach_of(const cv::Mat& level) {
   const double side = std::max(level.cols, level.rows), near = kNearFlames * side, below = kBelow * side;
-  cv::Mat distance, reach(level.size(), CV_32F);
-  cv::distanceTransform(~whole_flames(level), distance, cv::DIST_L2, 3);
+  cv::Mat from_any, from_whole, reach(level.size(), CV_32F);
+  cv::distanceTransform(level <= kShines, from_any, cv::DIST_L2, 3);
+  cv::distanceTransform(~whole_flames(level), from_whole, cv::DIST_L2, 3);
   const std::vector<float> bed = beds_of(level);
   for (int x = 0; x < level.cols; ++x)
     for (int y = 0; y < level.rows; ++y) {
-      const double away = distance.at<float>(y, x), far = away / near,
-                   under = bed[x] < 0 ? 0 : std::min<double>(y - bed[x], away) / below;
+      // What shines below a bed may where it is, and not around it.
+      const bool may = bed[x] < 0 || level.at<float>(y, x) > kShines;
+      const double far = from_any.at<float>(y, x) / near,
+                   under = may ? 0 : std::min(y - bed[x], from_whole.at<float>(y, x)) / below;
       reach.at<float>(y, x) = static_cast<float>(std::clamp(std::min(2 - far, 1 - under), 0.0, 1.0));
     }
   return reach;
@@ -285,7 +289,7 @@ class OwnFlames final : public Renderer {
   }
 
   cv::Mat finish(int output, const cv::Mat& matte) override {
-    const float still = rest_stands_ ? 1 : remaining(output);
+    const float still = remaining(output);
     const Carried carried = output == 0 ? Carried{parted_.level, parted_.light, {}} : carry(output, matte);
     const cv::Mat& level = carried.level;
     cv::Mat swaying, shining = level;
@@ -333,6 +337,8 @@ class OwnFlames final : public Renderer {
   };
   Carried carry(int output, const cv::Mat& matte) {
     const cv::Mat fluid = carried_->finish(output, matte);
+    if (rest_stands_) return {parted_.level, parted_.light, taken_level(output, fluid.size())};
+    const float own_colours = remaining(output);
     Carried carried{.level = cv::Mat(fluid.size(), CV_32F),
                     .light = cv::Mat(fluid.size(), CV_32FC3),
                     .lighter = taken_level(output, fluid.size())};
@@ -343,10 +349,11 @@ class OwnFlames final : public Renderer {
         for (int k = 0; k < 3 && f[3] > 0; ++k) light[k] = light_of(f[k] / f[3]);
         const float now = level_of(brightness(light));
         const float shown = thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
-        if (now > 0) light = no_paler(light, colours_.at(shown)) * (light_of(shown) / light_of(now));
+        const cv::Vec3f usual = no_paler(light, colours_.at(shown));
+        light = usual + own_colours * (light - usual);
+        if (now > 0) light *= light_of(shown) / light_of(now);
         carried.level.at<float>(y, x) = shown;
       }
-    if (rest_stands_) carried.level = parted_.level, carried.light = parted_.light;
     return carried;
   }
 
@@ -394,7 +401,7 @@ class OwnFlames final : public Renderer {
     return {going * of_clip.lean, going * of_clip.bow, 1 + going * (of_clip.stretch - 1)};
   }
 
-  /// Of what the picture's light has beside the colour of its level, how much is left: 1 at frame 0, to 0.
+  /// Of what the picture's light has beyond its picture on black, how much is left: 1 at frame 0, to 0.
   float remaining(int output) const {
     const FrameOptions& options = animation_.options;
     const int apart = options.loop ? std::min(output, options.frames - output) : output;
@@ -417,7 +424,7 @@ class OwnFlames final : public Renderer {
   std::mutex guard_;
   std::map<int, cv::Mat> lighter_;  // by output frame, until it is finished
   std::unique_ptr<Renderer> carried_;
-  cv::Mat own_;     // CV_32FC3: the light less the colour of its level
+  cv::Mat own_;     // CV_32FC3: the light less what its picture on black shows
   cv::Mat inside_;  // CV_32F, 0..1: of the matte, how far from its sides
   cv::Mat reach_;   // CV_32F, 0..1: near the picture's flames
 };

@@ -16,9 +16,8 @@ namespace freshet::synth::animate {
 
 struct OwnFlamesOptions {
   CarriedOptions carried{};  // how the light is carried
-  double handover_s =
-      0.2;  // after which nothing is left of what the light's picture lacks: colours below black
-  double lighting = 0.5;  // how far the ground follows the light that falls on it by day, 0..1 (LitGround)
+  double handover_s = 0.2;   // after which nothing is left of what a picture of the light on black lacks
+  double lighting = 0.5;     // how far the ground follows the light that falls on it by day, 0..1 (LitGround)
   std::vector<store::ClipId>
       clips{};      // of fire, the most like first: as theirs sway, so do tongues of the picture
   double pace = 1;  // clip seconds per second of the animation, of those

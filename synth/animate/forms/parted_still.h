@@ -19,7 +19,7 @@ struct PartedStill {
 /// What shines is warm (red before green before blue, or white within what is so), not pale as what it lights (blue
 /// above .6 of red over 2.4 % of the longer side, and not white), and lighter than the threshold that parts the fluid
 /// and its surroundings best (Otsu 1979). Blue gas flames are not found. Embers are redder than the upper half of their
-/// fire is where it is as bright.
+/// fire is where it is as bright, and not the orange of flames.
 /// picture  CV_32FC3, sRGB code, 1 is white.
 /// alpha    CV_32F, 0..1, of its size.
 PartedStill part(const cv::Mat& picture, const cv::Mat& alpha);

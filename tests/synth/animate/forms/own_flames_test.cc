@@ -141,6 +141,17 @@ TEST(OwnFlames, AreTheSameForAnyThreadsAndAnyRange) {
                                         cv::Mat(kPicture.size, CV_8U, cv::Scalar(255)));
 }
 
+TEST(OwnFlames, AreTheSameInManyBatches) {
+  const FlowingStore store({rising()});
+  AnimateOptions options = by_itself(40);
+  const Made whole = made_with(store, options);
+  options.memory_bytes = 1;
+  const Made in_batches = made_with(store, options);
+  ASSERT_EQ(whole.frames.size(), in_batches.frames.size());
+  for (std::size_t i = 0; i < whole.frames.size(); ++i)
+    EXPECT_EQ(apart(whole.frames[i], in_batches.frames[i]), 0) << i;
+}
+
 TEST(OwnFlames, TheFluidOverThePictureIsTheFrame) {
   const FlowingStore store({rising()});
   const Made whole = made_with(store, by_itself(8));
