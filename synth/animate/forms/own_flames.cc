@@ -95,10 +95,12 @@ cv::Mat reach_of(const cv::Mat& level) {
   const std::vector<float> bed = beds_of(level);
   for (int x = 0; x < level.cols; ++x)
     for (int y = 0; y < level.rows; ++y) {
-      // What shines below a bed may where it is, and not around it.
-      const bool may = bed[x] < 0 || level.at<float>(y, x) > kShines;
+      // What shines below a bed may where it is, as faintly as it does, and not around it.
+      const float shines = level.at<float>(y, x), away = from_whole.at<float>(y, x);
       const double far = from_any.at<float>(y, x) / near,
-                   under = may ? 0 : std::min(y - bed[x], from_whole.at<float>(y, x)) / below;
+                   under = bed[x] < 0         ? 0
+                           : shines > kShines ? std::min<double>(away / below, 1 - shines)
+                                              : std::min(y - bed[x], away) / below;
       reach.at<float>(y, x) = static_cast<float>(std::clamp(std::min(2 - far, 1 - under), 0.0, 1.0));
     }
   return reach;
