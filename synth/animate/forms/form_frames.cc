@@ -24,8 +24,6 @@ constexpr double kLitAround = 0.6;     // sigma of the light around a fire, of i
 constexpr int kFlowSide = 200;         // px that flames are drawn and followed on
 constexpr double kDrawnSmooth = 0.15, kFlowSmooth = 0.06;  // sigma, of a form's height
 
-float luma_at(const cv::Vec3f& c) { return 0.114f * c[0] + 0.587f * c[1] + 0.299f * c[2]; }
-
 cv::Mat bytes_of(const cv::Mat& level, cv::Size size) {
   cv::Mat reduced, out;
   cv::resize(level, reduced, size, 0, 0, cv::INTER_AREA);
@@ -240,7 +238,7 @@ cv::Mat FormFrames::thinned_light(int index) const {
   for (int y = 0; y < light.rows; ++y) {
     auto* row = light.ptr<cv::Vec3f>(y);
     for (int x = 0; x < light.cols; ++x) {
-      const float level = level_of(luma_at(row[x]));
+      const float level = level_of(luma_of(row[x]));
       if (level <= 0) continue;
       // Colour goes with the level: white that got darker would be grey.
       const float now =
@@ -261,7 +259,7 @@ cv::Mat FormFrames::burning(int index) const {
     auto* row = all.ptr<float>(y);
     const auto* picture = own.ptr<cv::Vec3f>(y);
     for (int x = 0; x < all.cols; ++x)
-      row[x] = std::max(thinned(row[x], left * left), level_of(luma_at(picture[x])));
+      row[x] = std::max(thinned(row[x], left * left), level_of(luma_of(picture[x])));
   }
   return all;
 }
@@ -298,7 +296,7 @@ cv::Mat FormFrames::frame(int index) const {
       const cv::Vec3f flame = colours_.at(std::min(shown, 1.0f));
       // The brighter one, without an edge where they are alike.
       const float share =
-          picture == nullptr ? 1 : std::clamp(0.5f + 8 * (luma_at(flame) - luma_at(picture[x])), 0.0f, 1.0f);
+          picture == nullptr ? 1 : std::clamp(0.5f + 8 * (luma_of(flame) - luma_of(picture[x])), 0.0f, 1.0f);
       for (int k = 0; k < 3; ++k) {
         const float light = share == 1 ? flame[k] : picture[x][k] + share * (flame[k] - picture[x][k]);
         const float code = level_of(brighter[x] * ground[x][k] + light);

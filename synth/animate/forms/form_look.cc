@@ -147,7 +147,7 @@ LightColours::LightColours(const cv::Mat& light, const cv::Mat& level) {
       const float at = level.at<float>(y, x);
       if (at <= 0.02f) continue;
       const cv::Vec3f l = light.at<cv::Vec3f>(y, x);
-      const float luma = kBlueLuma * l[0] + kGreenLuma * l[1] + kRedLuma * l[2];
+      const float luma = luma_of(l);
       const int step = std::clamp(cvRound(kSteps * level_of(luma)), 0, kSteps);
       // A pixel that is half flame tells half of its colour.
       const double weight = at / std::max(level_of(luma), 0.02f);

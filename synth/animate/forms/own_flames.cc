@@ -40,14 +40,10 @@ constexpr double kBedBeside = 0.02;  // of the longer side: sigma of columns tha
 constexpr double kSmallest = 0.004;  // of the longer side: half of a flame's least width that has one
 constexpr float kLeastBed = 0.05f;   // of the columns around: where fewer have a bed there is none
 
-float brightness(const cv::Vec3f& colour) {
-  return kBlueLuma * colour[0] + kGreenLuma * colour[1] + kRedLuma * colour[2];
-}
-
 /// What is carried over a dark gap brought the gap's colour along, grey or blue: a flame is to be no paler than the
 /// picture's flames of its brightness are. usual  the colour of these.
 cv::Vec3f no_paler(cv::Vec3f light, const cv::Vec3f& usual) {
-  const float whole = brightness(light), of_usual = brightness(usual);
+  const float whole = luma_of(light), of_usual = luma_of(usual);
   if (whole <= 0 || of_usual <= 0) return light;
   for (int k = 0; k < 2; ++k) light[k] = std::min(light[k], kPalest * usual[k] * whole / of_usual);
   light[2] = (whole - kBlueLuma * light[0] - kGreenLuma * light[1]) / kRedLuma;
@@ -64,13 +60,12 @@ cv::Mat whole_flames(const cv::Mat& level) {
   return out;
 }
 
-/// By column, the lowest row of flames, even over neighbouring columns; -1 where there are none.
-std::vector<float> beds_of(const cv::Mat& level) {
-  const double side = std::max(level.cols, level.rows);
-  const cv::Mat flames = whole_flames(level);
-  cv::Mat sums = cv::Mat::zeros(1, level.cols, CV_32F), counts = sums.clone();
-  for (int x = 0; x < level.cols; ++x)
-    for (int y = level.rows - 1; y >= 0; --y)
+/// By column, the lowest row of flames (whole_flames), even over neighbouring columns; -1 where there are none.
+std::vector<float> beds_of(const cv::Mat& flames) {
+  const double side = std::max(flames.cols, flames.rows);
+  cv::Mat sums = cv::Mat::zeros(1, flames.cols, CV_32F), counts = sums.clone();
+  for (int x = 0; x < flames.cols; ++x)
+    for (int y = flames.rows - 1; y >= 0; --y)
       if (flames.at<std::uint8_t>(y, x) != 0) {
         sums.at<float>(x) = static_cast<float>(y);
         counts.at<float>(x) = 1;
@@ -79,8 +74,8 @@ std::vector<float> beds_of(const cv::Mat& level) {
   const double even = std::max(1.0, kBedBeside * side);
   cv::GaussianBlur(sums, sums, {0, 1}, even, 0, cv::BORDER_CONSTANT);
   cv::GaussianBlur(counts, counts, {0, 1}, even, 0, cv::BORDER_CONSTANT);
-  std::vector<float> bed(level.cols, -1);
-  for (int x = 0; x < level.cols; ++x)
+  std::vector<float> bed(flames.cols, -1);
+  for (int x = 0; x < flames.cols; ++x)
     if (counts.at<float>(x) > kLeastBed) bed[x] = sums.at<float>(x) / counts.at<float>(x);
   return bed;
 }
@@ -91,8 +86,9 @@ cv::Mat reach_of(const cv::Mat& level) {
   const double side = std::max(level.cols, level.rows), near = kNearFlames * side, below = kBelow * side;
   cv::Mat from_any, from_whole, reach(level.size(), CV_32F);
   cv::distanceTransform(level <= kShines, from_any, cv::DIST_L2, 3);
-  cv::distanceTransform(~whole_flames(level), from_whole, cv::DIST_L2, 3);
-  const std::vector<float> bed = beds_of(level);
+  const cv::Mat flames = whole_flames(level);
+  cv::distanceTransform(~flames, from_whole, cv::DIST_L2, 3);
+  const std::vector<float> bed = beds_of(flames);
   for (int x = 0; x < level.cols; ++x)
     for (int y = 0; y < level.rows; ++y) {
       // What shines below a bed may where it is, as faintly as it does, and not around it.
@@ -113,7 +109,7 @@ cv::Mat flames_on_black(const PartedStill& parted) {
     for (int x = 0; x < out.cols; ++x) {
       cv::Vec3f& to = out.at<cv::Vec3f>(y, x) = {};
       const cv::Vec3f& light = parted.light.at<cv::Vec3f>(y, x);
-      const float level = parted.level.at<float>(y, x), whole = brightness(light);
+      const float level = parted.level.at<float>(y, x), whole = luma_of(light);
       for (int k = 0; k < 3 && level > 0 && whole > 0; ++k)
         to[k] = level_of(std::clamp(light[k] * light_of(level) / whole, 0.0f, 1.0f));
     }
@@ -122,7 +118,7 @@ cv::Mat flames_on_black(const PartedStill& parted) {
 
 /// A fire's foot burns on while its flames go up: what comes from below the bed is as what burns above it, mirrored.
 cv::Mat fed_from_below(const cv::Mat& flames, const cv::Mat& level) {
-  const std::vector<float> bed = beds_of(level);
+  const std::vector<float> bed = beds_of(whole_flames(level));
   cv::Mat fed = flames.clone();
   for (int x = 0; x < level.cols; ++x)
     for (int y = static_cast<int>(bed[x]) + 1; bed[x] >= 0 && y < level.rows; ++y) {
@@ -146,8 +142,7 @@ StillPart light_as_still(const StillPart& still, const PartedStill& parted, doub
   light.target = fed_from_below(flames_on_black(parted), parted.level);
   light.luma = luma_of(light.target);
   light.behind.release();
-  light.colours =
-      fit_colour(light.target, light.luma, still.alpha, static_cast<int>(std::lround(12 * piece_scale)));
+  light.colours = colours_of(light, piece_scale);
   return light;
 }
 
@@ -349,7 +344,7 @@ class OwnFlames final : public Renderer {
         const cv::Vec4f f = fluid.at<cv::Vec4f>(y, x);
         cv::Vec3f& light = carried.light.at<cv::Vec3f>(y, x) = {};
         for (int k = 0; k < 3 && f[3] > 0; ++k) light[k] = light_of(f[k] / f[3]);
-        const float now = level_of(brightness(light));
+        const float now = level_of(luma_of(light));
         const float shown = thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
         const cv::Vec3f usual = no_paler(light, colours_.at(shown));
         light = usual + own_colours * (light - usual);
@@ -376,7 +371,7 @@ class OwnFlames final : public Renderer {
   /// matte as beyond it.
   cv::Vec3f lit(int y, int x, float more, float lighter) const {
     const cv::Vec3f& ground = parted_.ground.at<cv::Vec3f>(y, x);
-    const float code = level_of(brightness(ground)), before = light_of(code);
+    const float code = level_of(luma_of(ground)), before = light_of(code);
     if (before <= 0) return more * ground;
     const float change = inside_.at<float>(y, x) * std::min(1.0f, code / kFull) * lighter;
     return ground * (more * light_of(code + change) / before);

@@ -60,8 +60,6 @@ cv::Mat warmth(const cv::Mat& picture, double side) {
   return cv::max(warm, cv::min(near, white));
 }
 
-float luma_at(const cv::Vec3f& c) { return kBlueLuma * c[0] + kGreenLuma * c[1] + kRedLuma * c[2]; }
-
 double threshold_of(const cv::Mat& luma, const cv::Mat& where) {
   std::array<double, 256> count{};
   double all = 0, sum = 0;
@@ -229,12 +227,12 @@ PartedStill part(const cv::Mat& picture, const cv::Mat& alpha) {
       const cv::Vec3f p = whole.at<cv::Vec3f>(y, x);
       // Light adds up: the ground is no lighter than the picture.
       cv::Vec3f g = guess.at<cv::Vec3f>(y, x);
-      g *= std::min(1.0f, luma_at(p) / std::max(luma_at(g), 1e-6f));
+      g *= std::min(1.0f, luma_of(p) / std::max(luma_of(g), 1e-6f));
       const float share = std::min(1.0f, 1.5f * hidden.at<float>(y, x));
       const cv::Vec3f behind = p + share * (g - p), light = p - behind;
       parted.ground.at<cv::Vec3f>(y, x) = behind;
       parted.light.at<cv::Vec3f>(y, x) = light;
-      if (share > 0) parted.level.at<float>(y, x) = (1 - embers.at<float>(y, x)) * level_of(luma_at(light));
+      if (share > 0) parted.level.at<float>(y, x) = (1 - embers.at<float>(y, x)) * level_of(luma_of(light));
       parted.before.at<float>(y, x) = ramp(enclosed.at<float>(y, x), 0.25f, 0.45f) *
                                       (1 - ramp(luma.at<float>(y, x), 0.4f * threshold, 0.8f * threshold)) *
                                       lowness(seats, x, y, 0.55, 0.35);

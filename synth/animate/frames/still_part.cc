@@ -36,11 +36,12 @@ StillPart read_still(const Animation& animation) {
                                              animation.picture.size());
         still.asked_motion = apply_guide(still.assigned_motion, options.guide, still.alpha);
       },
-      [&] {
-        still.colours = fit_colour(still.target, still.luma, still.alpha,
-                                   static_cast<int>(std::lround(12 * animation.placement.piece_scale)));
-      });
+      [&] { still.colours = colours_of(still, animation.placement.piece_scale); });
   return still;
+}
+
+ColourModel colours_of(const StillPart& still, double piece_scale) {
+  return fit_colour(still.target, still.luma, still.alpha, static_cast<int>(std::lround(12 * piece_scale)));
 }
 
 bool places_class(const Animation& animation, const std::string& name) {

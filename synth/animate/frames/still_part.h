@@ -26,6 +26,9 @@ struct StillPart {
 /// Throws   as behind_fluid, before any other work.
 StillPart read_still(const Animation& animation);
 
+/// Colour from luminance over 12 px of a piece of its own size. still  its target, luma and alpha.
+ColourModel colours_of(const StillPart& still, double piece_scale);
+
 /// Whether more than half of the patches are of clips of this class.
 bool places_class(const Animation& animation, const std::string& name);
 

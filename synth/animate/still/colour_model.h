@@ -29,5 +29,8 @@ void apply_colour(const ColourModel& model, const cv::Mat& luma, cv::Mat& bgr);
 /// ITU-R BT.601 luma of BGR in 0..1.
 inline constexpr float kBlueLuma = 0.114f, kGreenLuma = 0.587f, kRedLuma = 0.299f;
 cv::Mat luma_of(const cv::Mat& bgr);
+inline float luma_of(const cv::Vec3f& bgr) {
+  return kBlueLuma * bgr[0] + kGreenLuma * bgr[1] + kRedLuma * bgr[2];
+}
 
 }  // namespace freshet::synth::animate
