@@ -1,8 +1,10 @@
 #include "synth/animate/motion/copy_maps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <mutex>
 #include <numbers>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -66,11 +68,10 @@ FRESHET_WIDE void add_signed(const float* from, float sign, int n, float* sum) {
   for (int i = 0; i < n; ++i) sum[i] = sign * from[i] + sum[i];
 }
 
-/// Sources one frame further from a copy's own. velocity: px a frame, of the frame between; sign -1: fluid that
-/// has come from there, 1: that will be there. Mid-point rule, then the map before read where that leads.
-cv::Mat step_on(const cv::Mat& sources, const cv::Mat& velocity, float sign, int step) {
-  cv::Mat middle, out;
-  sampling::read_remapped(velocity, places(velocity, sign * 0.5f, step), middle);
+/// Sources one frame further from a copy's own. middle: HalfwayMotion, of the frame between and this sign. The map
+/// before is read where it leads.
+cv::Mat step_on(const cv::Mat& sources, const cv::Mat& middle, float sign, int step) {
+  cv::Mat out;
   sampling::read_remapped(sources, places(middle, sign, step), out);
   for (int y = 0; y < out.rows; ++y) add_signed(middle.ptr<float>(y), sign, 2 * out.cols, out.ptr<float>(y));
   return out;
@@ -190,6 +191,39 @@ int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 }  // namespace
 
+/// Mid-point rule: the motion of a frame as it is read halfway along itself. The same for every copy that goes through
+/// the frame: the last ones are kept.
+class CopyMaps::HalfwayMotion {
+ public:
+  HalfwayMotion(std::function<cv::Mat(int)> displacement, int step)
+      : displacement_(std::move(displacement)), step_(step) {}
+
+  /// sign  -1: of fluid that has come from there, 1: that will be there. Safe from many threads.
+  cv::Mat at(int frame, float sign) {
+    auto& place = kept_[sign < 0 ? 0 : 1][static_cast<std::size_t>(frame % kKept + kKept) % kKept];
+    {
+      const std::lock_guard lock(guard_);
+      if (!place.second.empty() && place.first == frame) return place.second;
+    }
+    const cv::Mat velocity = displacement_(frame);
+    cv::Mat middle;
+    sampling::read_remapped(velocity, places(velocity, sign * 0.5f, step_), middle);
+    const std::lock_guard lock(guard_);
+    place = {frame, middle};
+    return middle;
+  }
+
+ private:
+  static constexpr int kKept = kKeptEvery + 8;  // frames that one prepare() goes through, as a rule
+
+  std::function<cv::Mat(int)> displacement_;
+  int step_;
+  std::mutex guard_;
+  std::array<std::array<std::pair<int, cv::Mat>, kKept>, 2> kept_;  // frame i at i modulo kKept
+};
+
+CopyMaps::~CopyMaps() = default;
+
 int CopyMaps::interval_of(double half_life_s, double fps, int loop_frames) {
   const int interval = std::max(1, static_cast<int>(std::lround(half_life_s * fps / kHalfOfInterval)));
   return loop_frames > 0 ? nearest_divisor(loop_frames, interval) : interval;
@@ -198,7 +232,7 @@ int CopyMaps::interval_of(double half_life_s, double fps, int loop_frames) {
 CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const CopyPlaces& places, int step,
                    const CopyOptions& options, std::optional<CopyStarts> starts,
                    std::optional<OtherWay> other)
-    : displacement_(std::move(displacement)),
+    : motion_(std::make_unique<HalfwayMotion>(std::move(displacement), step)),
       everywhere_(places),
       places_(places.own()),
       step_(step),
@@ -292,7 +326,7 @@ void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
     cv::Mat source = copy.latest.second;
     copy.earlier.emplace(own, source);
     for (int frame = own - 1; frame >= first; --frame) {
-      source = step_on(source, displacement_(frame), 1, step_);
+      source = step_on(source, motion_->at(frame, 1), 1, step_);
       if ((own - frame) % kKeptEvery == 0) copy.earlier.emplace(frame, source);
     }
   }
@@ -304,14 +338,14 @@ void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
     copy.sources.emplace(frame, source);
     while (frame > first && !copy.sources.contains(frame - 1)) {
       --frame;
-      source = step_on(source, displacement_(frame), 1, step_);
+      source = step_on(source, motion_->at(frame, 1), 1, step_);
       copy.sources.emplace(frame, source);
     }
     copy.earlier.erase(copy.earlier.begin(), copy.earlier.lower_bound(first));
   }
   auto& [frame, source] = copy.latest;
   for (int asked = std::max(first, own); asked < end; ++asked) {
-    for (; frame < asked; ++frame) source = step_on(source, displacement_(frame), -1, step_);
+    for (; frame < asked; ++frame) source = step_on(source, motion_->at(frame, -1), -1, step_);
     copy.sources.emplace(asked, source);
   }
 }

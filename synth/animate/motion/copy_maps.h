@@ -87,6 +87,7 @@ class CopyMaps {
   CopyMaps(std::function<cv::Mat(int)> displacement, const CopyPlaces& places, int step,
            const CopyOptions& options, std::optional<CopyStarts> starts = std::nullopt,
            std::optional<OtherWay> other = std::nullopt);
+  ~CopyMaps();
 
   /// Makes what at() needs of output frames [first, first + count), and forgets what lies before. In ascending
   /// order. All threads. Memory: of each copy one map in 16 frames that lie before its own, and `count` and 16.
@@ -102,6 +103,7 @@ class CopyMaps {
   static int interval_of(double half_life_s, double fps, int loop_frames);
 
  private:
+  class HalfwayMotion;
   struct Copy {
     cv::Mat later;  // CV_32F: intervals by which a place of the picture lives later than the copy
     cv::Mat
@@ -122,7 +124,7 @@ class CopyMaps {
   cv::Mat suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from) const;
   cv::Mat timeliness(const Copy& copy, const cv::Mat& from, int age) const;
 
-  std::function<cv::Mat(int)> displacement_;
+  std::unique_ptr<HalfwayMotion> motion_;
   CopyPlaces everywhere_;
   cv::Mat places_;  // the picture's
   int step_ = 1;
