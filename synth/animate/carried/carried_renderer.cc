@@ -70,6 +70,7 @@ constexpr double kShareReach = 1;   // pieces: neighbours stand alike
 CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
   options.edge_px *= scale;
   options.look_px *= scale;
+  options.step = step_of_maps(scale);
   return options;
 }
 
@@ -133,7 +134,11 @@ cv::Mat nearness(const std::optional<Horizon>& horizon, const CarryingField& fie
 class CarriedRenderer final : public Renderer {
  public:
   CarriedRenderer(Animation& animation, const StillPart& still, const CarriedOptions& options)
-      : animation_(animation), whole_(still), still_(still), options_(options) {
+      : animation_(animation),
+        whole_(still),
+        still_(still),
+        options_(options),
+        step_px_(step_of_maps(animation.placement.piece_scale)) {
     if (places_class(animation_, kWater)) {
       still_.asked_motion = falling_freely(still_.asked_motion, animation_.options.guide, whole_.luma,
                                            whole_.alpha, mean_speed(animation_.placement));
@@ -257,7 +262,7 @@ class CarriedRenderer final : public Renderer {
     CarryingOptions carrying = options_.carrying;
     if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0;
     field_ = std::make_shared<const CarryingField>(sequence_, carried_motion_, frames.frames, frames.fps,
-                                                   CarriedBase::kStep, frames.loop, carrying);
+                                                   step_px_, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
     lay_other_way(carrying);
     const FluidPlanes planes = fluid_planes(still_.target, still_.luma, still_.alpha);
@@ -307,8 +312,8 @@ class CarriedRenderer final : public Renderer {
     const ComingDown down = coming_down(carried_motion_, frames.guide, whole_.luma, whole_.alpha);
     if (down.share.empty()) return;
     other_way_.emplace();
-    const auto field = std::make_shared<const CarryingField>(
-        sequence_, down.motion, frames.frames, frames.fps, CarriedBase::kStep, frames.loop, carrying);
+    const auto field = std::make_shared<const CarryingField>(sequence_, down.motion, frames.frames,
+                                                             frames.fps, step_px_, frames.loop, carrying);
     other_way_->displacement = [field](int i) { return field->at(i); };
     cv::resize(down.share, other_way_->share, field_->size(), 0, 0, cv::INTER_AREA);
   }
@@ -349,7 +354,7 @@ class CarriedRenderer final : public Renderer {
     Exposure exposure = expose(animation_, still_, options_.base);
     exposure_ = exposure.luma;
     // What goes whole comes in and goes out whole.
-    const Sides sides = bodies_ > 0 ? crossed_sides(carried_motion_, still_.alpha) : Sides{};
+    const Sides sides = bodies_ > 0 ? crossed_sides(carried_motion_, still_.alpha, step_px_) : Sides{};
     base_.emplace(continued(planes, still_.alpha, sides), enlarged(options_.carry, scale));
     // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
     const double wander_s =
@@ -370,7 +375,8 @@ class CarriedRenderer final : public Renderer {
     const double usual_per_s = speed_per_frame(*field_, fluid_, kUsual) * frames.fps;
     const CopyOptions copies = copy_options(std::min(half_life_s_, kTextureTravel_px * scale / usual_per_s));
     const LayoutMotion motion{.direction = directions(carried_motion_, field_->size()),
-                              .travel = field_->activity() * (kShownIntervals * copies.interval)};
+                              .travel = field_->activity() * (kShownIntervals * copies.interval),
+                              .step = step_px_};
     std::vector<double> shares = measured_shares_;
     shares.pop_back();
     layout_.emplace(planes, still_.alpha, motion, shares);
@@ -380,7 +386,7 @@ class CarriedRenderer final : public Renderer {
                             field_->step(), copies,
                             CopyStarts{.direction = motion.direction,
                                        .edges = layout_->edges(),
-                                       .spread = kSpread_px * scale / CarriedBase::kStep,
+                                       .spread = kSpread_px * scale / step_px_,
                                        .nearness = nearness(frames.guide.horizon, *field_)},
                             other_way_);
   }
@@ -392,17 +398,18 @@ class CarriedRenderer final : public Renderer {
     const cv::Mat& where = glitter_->where();
     sparkle_base_.emplace(
         continued(fluid_planes(still_.target, still_.luma, where), where, {}),
-        CarriedBaseOptions{.look_px = options_.carry.look_px * scale, .edge_px = kSparkleEdge_px * scale},
+        CarriedBaseOptions{
+            .look_px = options_.carry.look_px * scale, .edge_px = kSparkleEdge_px * scale, .step = step_px_},
         glitter_->texture());
     CopyOptions copies = copy_options(kSparkleLife_s / mean_speed(animation_.placement));
-    copies.patch = kSparklePatch * glitter_->size_px() / CarriedBase::kStep;
+    copies.patch = kSparklePatch * glitter_->size_px() / step_px_;
     const double goes_px = speed_per_frame(*field_, fluid_, kUsual) * copies.interval;
     const double slower = std::min(1.0, kSparkleTravel_px * scale / goes_px);
     sparkle_copies_.emplace([field = field_, slower](int i) { return cv::Mat(field->at(i) * slower); },
                             sparkle_base_->places(), field_->step(), copies,
                             CopyStarts{.direction = cv::Mat(field_->size(), CV_32FC2, cv::Scalar(0, 1)),
                                        .edges = cv::Mat::zeros(field_->size(), CV_32F),
-                                       .spread = kSparkleSpread_px * scale / CarriedBase::kStep,
+                                       .spread = kSparkleSpread_px * scale / step_px_,
                                        .nearness = nearness(frames.guide.horizon, *field_)});
   }
 
@@ -432,7 +439,7 @@ class CarriedRenderer final : public Renderer {
     return {.interval = CopyMaps::interval_of(life_s, frames.fps, loop_frames),
             .loop_frames = loop_frames,
             .patch = std::lerp(1, kBodiesPatch, bodies_) * kLifePatch_px * animation_.placement.piece_scale /
-                     CarriedBase::kStep};
+                     step_px_};
   }
 
   /// What stands is not renewed: a rock in the matte, or what an artist holds still.
@@ -493,7 +500,7 @@ class CarriedRenderer final : public Renderer {
     const std::vector<CopyMap> copies = sparkle_copies_->at(output);
     cv::Mat brought;
     show_carried(sparkle_base_->frame(copies), {}, brought);
-    glitter_->add(brought, copies, CarriedBase::kStep, to.luma, to.frame ? &*to.frame : nullptr);
+    glitter_->add(brought, copies, step_px_, to.luma, to.frame ? &*to.frame : nullptr);
   }
 
   std::vector<double> renewed_shares(int levels, double anew) const {
@@ -509,8 +516,8 @@ class CarriedRenderer final : public Renderer {
     show_carried(*carried.frame, exposure_, carried.luma);
     if (animation_.options.moving()) carried.luma = sampling::pull_push(carried.luma, still_.alpha);
     const cv::Mat stands =
-        restore_contrast(carried.luma, copies, CarriedBase::kStep, renewed_shares(standing_->levels(), anew),
-                         renewing_, *standing_, anew, options_.contrast);
+        restore_contrast(carried.luma, copies, step_px_, renewed_shares(standing_->levels(), anew), renewing_,
+                         *standing_, anew, options_.contrast);
     if (bodies_ < 1) colour_->bring(*carried.frame, stands * (1 - bodies_));
     return carried;
   }
@@ -522,8 +529,8 @@ class CarriedRenderer final : public Renderer {
     show_carried(texture_base_->frame(copies), {}, luma);
     LostContrastOptions contrast = options_.contrast;
     contrast.max_gain = std::max(contrast.max_gain, kMaxTextureGain);
-    lay_texture(luma, copies, CarriedBase::kStep, renewed_shares(layout_->levels(), anew), renewing_,
-                *layout_, contrast);
+    lay_texture(luma, copies, step_px_, renewed_shares(layout_->levels(), anew), renewing_, *layout_,
+                contrast);
     return luma;
   }
 
@@ -544,6 +551,7 @@ class CarriedRenderer final : public Renderer {
   const StillPart& whole_;
   StillPart still_;  // what is carried of it: where water glitters, the ground of its sparkles
   const CarriedOptions options_;
+  const int step_px_;                    // of the field and of copies' maps
   double half_life_s_ = 0;               // of carried detail
   double bodies_ = 0;                    // how far wide forms go whole, with their light and colour, 0..1
   cv::Mat carried_motion_;               // as asked; of bodies evened

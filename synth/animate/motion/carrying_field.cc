@@ -15,7 +15,7 @@ constexpr double kMaxTurnScale = 4;  // fluctuations are scaled by at most this
 constexpr float kMinTurnScale =
     0.25;  // and by at least this, where the patches have no mean motion to speak of
 constexpr double kSlowFraction = 0.2;  // of the mean speed: slower places have no direction of their own
-constexpr double kSmoothing = 4;       // samples: the turn is smooth, where strokes meet slow places
+constexpr double kSmoothing_px = 16;   // the turn is smooth, where strokes meet slow places
 constexpr int kMeasured = 64;          // frames that means and limits are measured on
 // Frames kept: some more than one batch goes on by, and more as far as they fit into this.
 constexpr std::size_t kMinKept = 24, kKeptBytes = 32 << 20;
@@ -48,7 +48,8 @@ double mean_speed(const cv::Mat& field) {
 }
 
 /// The complex number that turns and scales the assigned mean to the asked one, smoothed over slow places.
-cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked) {
+cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked, int step) {
+  const double sigma = kSmoothing_px / step;
   const auto slow = static_cast<float>(kSlowFraction * mean_speed(assigned));
   cv::Mat sum(assigned.size(), CV_32FC2), mass(assigned.size(), CV_32F);
   for (int y = 0; y < assigned.rows; ++y)
@@ -60,8 +61,8 @@ cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked) {
       sum.at<cv::Vec2f>(y, x) = cv::Vec2f(a[0] * b[0] + a[1] * b[1], a[0] * b[1] - a[1] * b[0]);
       mass.at<float>(y, x) = std::max(power, 1e-12f);
     }
-  cv::GaussianBlur(sum, sum, {}, kSmoothing, kSmoothing, cv::BORDER_REPLICATE);
-  cv::GaussianBlur(mass, mass, {}, kSmoothing, kSmoothing, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(sum, sum, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(mass, mass, {}, sigma, sigma, cv::BORDER_REPLICATE);
   for (int y = 0; y < sum.rows; ++y)
     for (int x = 0; x < sum.cols; ++x) {
       cv::Vec2f turn = sum.at<cv::Vec2f>(y, x) / mass.at<float>(y, x);
@@ -95,7 +96,7 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
   assigned_ = cv::Mat::zeros(size, CV_32FC2);
   for (const cv::Mat& field : fields) assigned_ += field;
   assigned_ /= measured;
-  turn_ = turn_between(assigned_, mean_) * (options.variation / fps);
+  turn_ = turn_between(assigned_, mean_, step) * (options.variation / fps);
   mean_ /= fps;
   cv::Mat power = cv::Mat::zeros(size, CV_32F);
   for (const cv::Mat& field : fields)

@@ -31,12 +31,12 @@ constexpr float kTorn = 0.3f,
 // Of all copies together, before they are brought to a sum of 1: where less goes with a place, the long exposure shows
 // with them.
 constexpr float kWanted = 0.05f;
-constexpr float kUneven = 0.03f;  // what such a copy still counts: more than one past its time
-constexpr double kEvenOver = 2;   // sigma, samples
-constexpr float kLeast = 1e-6f;   // so that some copy shows everywhere
+constexpr float kUneven = 0.03f;    // what such a copy still counts: more than one past its time
+constexpr double kEvenOver_px = 8;  // sigma
+constexpr float kLeast = 1e-6f;     // so that some copy shows everywhere
 constexpr float kShallow = 1e-3f;
-// Of what comes from beyond the picture's sides, from so many samples on: a copy that need not guess shows.
-constexpr float kGuessed = 0.04f, kGuessedFrom = 4;
+// Of what comes from beyond the picture's sides, from so far on: a copy that need not guess shows.
+constexpr float kGuessed = 0.04f, kGuessedFrom_px = 16;
 constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
 constexpr int kKeptEvery = 16;                             // frames
 constexpr std::uint64_t kSeed = 0x636f70696573, kSeedOfStarts = 0x737461727473;
@@ -78,15 +78,17 @@ cv::Mat step_on(const cv::Mat& sources, const cv::Mat& middle, float sign, int s
 }
 
 /// Places of row y of the picture as they are read of it and beyond its sides, and how far they are of the picture.
+/// guessed_from: samples.
 FRESHET_WIDE void find_row(const float* from, float y, const sampling::Span& across,
-                           const sampling::Span& down, int n, float* within, float* known) {
+                           const sampling::Span& down, float guessed_from, int n, float* within,
+                           float* known) {
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     const float own_x = across.first + static_cast<float>(i), own_y = down.first + y;
     const float x = across.first + from[2 * i], y_from = down.first + from[2 * i + 1];
     const float over =
         (std::abs(sampling::beyond(x, own_x, across)) + std::abs(sampling::beyond(y_from, own_y, down))) /
-        kGuessedFrom;
+        guessed_from;
     known[i] = 1 + (over < 1 ? over : 1.0f) * (kGuessed - 1);
     within[2 * i] = sampling::carried_from(x, own_x, across);
     within[2 * i + 1] = sampling::carried_from(y_from, own_y, down);
@@ -377,11 +379,12 @@ cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv:
   const sampling::Span across = sampling::span_of(own.x, own.width, all.cols),
                        down = sampling::span_of(own.y, own.height, all.rows);
   for (int y = 0; y < from.rows; ++y)
-    find_row(from.ptr<float>(y), static_cast<float>(y), across, down, from.cols, within.ptr<float>(y),
+    find_row(from.ptr<float>(y), static_cast<float>(y), across, down,
+             kGuessedFrom_px / static_cast<float>(step_), from.cols, within.ptr<float>(y),
              known.ptr<float>(y));
   sampling::read_remapped(all, within, brought);
   if (!copy.fits.empty()) sampling::read_remapped(copy.fits, within, fits);
-  cv::GaussianBlur(even, even, {}, kEvenOver, kEvenOver, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(even, even, {}, kEvenOver_px / step_, kEvenOver_px / step_, cv::BORDER_REPLICATE);
   std::vector<float> deep(out.cols), unlike(out.cols);
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <type_traits>
 
 #include <opencv2/imgproc.hpp>
 
@@ -26,8 +27,10 @@ constexpr float kDeeper = 4;
 constexpr float kMinShare = 1.0f / 8192;  // of a copy, anywhere in a cell
 constexpr float kMinMass = 1e-4f;         // so that values are there also where none of it is fluid
 constexpr int kCellWidth = 32, kCellHeight = 16, kCellArea = kCellWidth * kCellHeight;
-// Of a map: columns around a cell, from one before it, and what it is continued by to the right.
-constexpr int kGroups = kCellWidth / CarriedBase::kStep, kAcross = kGroups + 2, kAfter = kGroups + 1;
+constexpr int kLeastStep = 4, kMostStep = 16;
+// Of a map: columns around a cell, from one before it, and what it is continued by to the right, at most.
+constexpr int across_cell(int step) { return kCellWidth / step + 2; }
+constexpr int kAfter = across_cell(kLeastStep) - 1;
 constexpr int kBlock = 8;   // px, in which it is told whether all is fluid
 constexpr int kMargin = 4;  // samples around the planes: of what is read at once, two beyond a picture's edge
 
@@ -35,8 +38,22 @@ struct Range {
   float least, most;
 };
 
-// Of a map's samples around a cell.
-FRESHET_WIDE Range range_of(const float* map, std::ptrdiff_t stride, int rows) {
+// Calls with the step as a constant.
+template <class Function>
+[[gnu::always_inline]] inline auto for_step(int step, const Function& function) {
+  switch (step) {
+    case 16:
+      return function(std::integral_constant<int, 16>());
+    case 8:
+      return function(std::integral_constant<int, 8>());
+    default:
+      return function(std::integral_constant<int, 4>());
+  }
+}
+
+template <int kStep>
+[[gnu::always_inline]] inline Range range_at(const float* map, std::ptrdiff_t stride, int rows) {
+  constexpr int kAcross = across_cell(kStep);
   std::array<float, kAcross> least, most;
   for (int x = 0; x < kAcross; ++x) least[x] = most[x] = map[x];
   for (int y = 1; y < rows; ++y)
@@ -45,9 +62,8 @@ FRESHET_WIDE Range range_of(const float* map, std::ptrdiff_t stride, int rows) {
       least[x] = at < least[x] ? at : least[x];
       most[x] = at > most[x] ? at : most[x];
     }
-  static_assert(kAcross == 10);
-  for (const int half : {5, 3, 2, 1})
-    for (int x = 0; x < half; ++x) {
+  for (int n = kAcross; n > 1; n = (n + 1) / 2)
+    for (int x = 0, half = (n + 1) / 2; x + half < n; ++x) {
       const int other = x + half;
       least[x] = least[other] < least[x] ? least[other] : least[x];
       most[x] = most[other] > most[x] ? most[other] : most[x];
@@ -55,24 +71,42 @@ FRESHET_WIDE Range range_of(const float* map, std::ptrdiff_t stride, int rows) {
   return {least[0], most[0]};
 }
 
-// A map at a cell's places: between two of its rows, then four between each two samples. rows, down: by row of the
-// cell, the map's before it and how far it lies beyond that. Up to a cell's whole width is written, which the next row
-// overwrites.
-FRESHET_WIDE void widen(const float* map, std::ptrdiff_t stride, const std::int32_t* rows, const float* down,
-                        const cv::Rect& cell, float* out) {
-  static_assert(CarriedBase::kStep == 4);
+// Of a map's samples around a cell.
+FRESHET_WIDE Range range_of(const float* map, std::ptrdiff_t stride, int rows, int step) {
+  return for_step(
+      step, [&](auto constant) __attribute__((always_inline)) {
+        return range_at<decltype(constant)::value>(map, stride, rows);
+      });
+}
+
+template <int kStep>
+[[gnu::always_inline]] inline void widen_at(const float* map, std::ptrdiff_t stride, const std::int32_t* rows,
+                                            const float* down, const cv::Rect& cell, float* out) {
+  constexpr int kGroups = kCellWidth / kStep, kAcross = across_cell(kStep), kHalf = kStep / 2;
   for (int y = 0; y < cell.height; ++y, out += cell.width) {
     const float *upper = map + (rows[y] - rows[0]) * stride, *lower = upper + stride;
     std::array<float, kAcross> mixed;
     for (int x = 0; x < kAcross; ++x) mixed[x] = upper[x] + down[y] * (lower[x] - upper[x]);
     for (int k = 0; k < kGroups; ++k) {
       const float before = mixed[k + 1] - mixed[k], after = mixed[k + 2] - mixed[k + 1];
-      out[4 * k] = mixed[k] + 0.625f * before;
-      out[4 * k + 1] = mixed[k] + 0.875f * before;
-      out[4 * k + 2] = mixed[k + 1] + 0.125f * after;
-      out[4 * k + 3] = mixed[k + 1] + 0.375f * after;
+      for (int i = 0; i < kHalf; ++i) {
+        const float beyond = (static_cast<float>(i) + 0.5f) / kStep;  // the middle between two samples
+        out[kStep * k + i] = mixed[k] + (0.5f + beyond) * before;
+        out[kStep * k + kHalf + i] = mixed[k + 1] + beyond * after;
+      }
     }
   }
+}
+
+// A map at a cell's places: between two of its rows, then `step` between each two samples. rows, down: by row of the
+// cell, the map's before it and how far it lies beyond that. Up to a cell's whole width is written, which the next row
+// overwrites.
+FRESHET_WIDE void widen(const float* map, std::ptrdiff_t stride, const std::int32_t* rows, const float* down,
+                        const cv::Rect& cell, int step, float* out) {
+  for_step(
+      step, [&](auto constant) __attribute__((always_inline)) {
+        widen_at<decltype(constant)::value>(map, stride, rows, down, cell, out);
+      });
 }
 
 [[gnu::always_inline]] inline std::int32_t steps_of(float at) {
@@ -208,10 +242,17 @@ struct CarriedBase::Scratch {
   std::array<float, kCellArea> u, v;                 // how far away a copy's places lie
 };
 
+int step_of_maps(double piece_scale) {
+  int step = kLeastStep;
+  while (step < kMostStep && 6 * step <= 16 * piece_scale) step *= 2;
+  return step;
+}
+
 CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& options,
                          const cv::Mat& texture)
     : fraction_(static_cast<float>(options.fraction)),
       carries_colour_(texture.empty()),
+      step_(options.step),
       picture_(fluid.picture),
       size_(picture_.size()),
       half_((size_.width + 1) / 2, (size_.height + 1) / 2) {
@@ -262,8 +303,8 @@ CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& 
                                  with_margin(half_weight, 1), with_margin(none, 1)},
             colour_);
 
-  const auto sampled = [](cv::Size of) {
-    return cv::Size((of.width + kStep - 1) / kStep, (of.height + kStep - 1) / kStep);
+  const auto sampled = [step = step_](cv::Size of) {
+    return cv::Size((of.width + step - 1) / step, (of.height + step - 1) / step);
   };
   const cv::Size coarse = sampled(matte.size());
   std::array<cv::Mat, 4> place;
@@ -272,13 +313,13 @@ CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& 
   cv::resize(deep, place[0], coarse, 0, 0, cv::INTER_AREA);
   for (std::size_t k = 0; k < plane.size(); ++k) {
     cv::resize(plane[k], place[k + 1], coarse, 0, 0, cv::INTER_AREA);
-    cv::GaussianBlur(place[k + 1], place[k + 1], {}, options.look_px / kStep, options.look_px / kStep,
+    cv::GaussianBlur(place[k + 1], place[k + 1], {}, options.look_px / step_, options.look_px / step_,
                      cv::BORDER_REPLICATE);
   }
   cv::merge(place.data(), place.size(), places_.all);
-  places_.picture = cv::Rect(picture_.tl() / kStep, sampled(size_));
+  places_.picture = cv::Rect(picture_.tl() / step_, sampled(size_));
   for (int y = 0; y < size_.height; ++y) {
-    const double at = std::clamp((y + 0.5) / kStep - 0.5, 0.0, places_.picture.height - 1.0);
+    const double at = std::clamp((y + 0.5) / step_ - 0.5, 0.0, places_.picture.height - 1.0);
     map_y_.push_back(static_cast<std::int32_t>(at));
     fraction_y_.push_back(static_cast<float>(at - std::floor(at)));
   }
@@ -339,13 +380,13 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
   for (const Copy& copy : copies) {
     // Where each place of the cell comes from, and how far it shows.
     const auto stride = static_cast<std::ptrdiff_t>(copy.u.cols);
-    const auto at = [&](const cv::Mat& map) { return map.ptr<float>(top) + cell.x / kStep; };
-    if (range_of(at(copy.weight), stride, rows).most < kMinShare) continue;
-    const Range x = range_of(at(copy.u), stride, rows), y = range_of(at(copy.v), stride, rows);
+    const auto at = [&](const cv::Mat& map) { return map.ptr<float>(top) + cell.x / step_; };
+    if (range_of(at(copy.weight), stride, rows, step_).most < kMinShare) continue;
+    const Range x = range_of(at(copy.u), stride, rows, step_), y = range_of(at(copy.v), stride, rows, step_);
     const bool within_x = within(x, own.x, cell.width, across),
                within_y = within(y, own.y, cell.height, down);
     const auto widened = [&](const cv::Mat& map, float* to) {
-      widen(at(map), stride, map_y_.data() + cell.y, fraction_y_.data() + cell.y, cell, to);
+      widen(at(map), stride, map_y_.data() + cell.y, fraction_y_.data() + cell.y, cell, step_, to);
     };
     widened(copy.u, s.u.data());
     widened(copy.v, s.v.data());

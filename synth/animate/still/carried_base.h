@@ -19,7 +19,13 @@ struct CarriedBaseOptions {
   double look_px = 20;
   /// Over which a copy fades towards the matte's edge, px.
   double edge_px = 32;
+  /// px of the picture between samples of the copies' maps: 4, 8 or 16.
+  int step = 4;
 };
+
+/// CarriedBaseOptions::step for pieces that are enlarged by this much, >= 1: 4, or at most 16 / 3 px of a piece's own
+/// size, as the motion is told for squares of 8 of these (MotionSequence).
+int step_of_maps(double piece_scale);
 
 /// What was carried to each place of the picture in one frame, compact: it is kept for as long as it repeats.
 struct CarriedFrame {
@@ -42,10 +48,8 @@ class CarriedBase {
   /// Memory    some 30 bytes a pixel.
   CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& options, const cv::Mat& texture = {});
 
-  /// What the copies bring, sampled every 4 px. Safe from many threads; no scratch to speak of.
+  /// What the copies bring. Safe from many threads; no scratch to speak of.
   CarriedFrame frame(std::span<const CopyMap> copies) const;
-  /// px of the picture between samples of the copies' maps.
-  static constexpr int kStep = 4;
   /// Each sample's place as CopyMaps takes them.
   const CopyPlaces& places() const { return places_; }
 
@@ -67,6 +71,7 @@ class CarriedBase {
   cv::Mat own_;  // CV_32F, at half, of the picture: the place's own weight
   float fraction_ = 1;
   bool carries_colour_ = true;
+  int step_ = 4;
   std::vector<cv::Rect> cells_;      // px, where anything is carried
   std::vector<std::int32_t> map_y_;  // by row: the sample of a map before it
   std::vector<float> fraction_y_;    // of the one after that

@@ -307,7 +307,7 @@ Planes continued_across(Planes planes, int left, int right) {
 
 }  // namespace
 
-Sides crossed_sides(const cv::Mat& motion, const cv::Mat& matte) {
+Sides crossed_sides(const cv::Mat& motion, const cv::Mat& matte, int step) {
   double speed = 0, fluid = 0;
   for (int y = 0; y < matte.rows; ++y)
     for (int x = 0; x < matte.cols; ++x) {
@@ -325,7 +325,8 @@ Sides crossed_sides(const cv::Mat& motion, const cv::Mat& matte) {
         across += own * std::abs(motion.at<cv::Vec2f>(y, x)[component]), mass += own;
       }
     if (mass < kSideShare * side.area() || across * fluid < kCrosses * speed * mass) return 0;
-    return static_cast<int>(length / kReach) / kEven * kEven;
+    const int even = std::max(kEven, step);
+    return static_cast<int>(length / kReach) / even * even;
   };
   const int w = matte.cols, h = matte.rows, strip = std::max(1, std::min(w, h) / kStrips);
   return {.left = by({0, 0, strip, h}, 0, w),

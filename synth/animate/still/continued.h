@@ -21,7 +21,8 @@ struct ContinuedFluid {
 /// Sides over which the fluid goes, in or out (a copy that is as the picture only later brings what will have gone
 /// out), by a quarter each; others by 0.
 /// motion   CV_32FC2, px/s; matte CV_32F, 0..1, of one size.
-Sides crossed_sides(const cv::Mat& motion, const cv::Mat& matte);
+/// step     of the copies' maps: sides are multiples of it.
+Sides crossed_sides(const cv::Mat& motion, const cv::Mat& matte, int step);
 
 /// Beyond a side the picture goes on as elsewhere in itself. Mirrored alone a cloud comes in as its own twin, head to
 /// head. The side is parted into six blocks; each is followed by the place that goes on best from the block's own end,

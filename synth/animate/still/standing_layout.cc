@@ -26,8 +26,8 @@ constexpr float kFaint = 4e-4f;      // luma: the magnitude of what is flat
 constexpr double kLevel_px = 32;     // sigma, px of the picture: of what is coarser texture has nothing
 constexpr int kLevelFrom = 3;        // bands that hold some of it where the fluid is narrow
 constexpr double kLeastRest = 0.25;  // of the texture's own variance, where what stands leaves less
-// Samples of the motion: over which an edge goes on, around which it stands out, and the sigma it is found with.
-constexpr double kEdgeLength = 8, kEdgeAround = 7, kEdgeBlur = 0.75;
+// Over which an edge goes on, around which it stands out, and the sigma it is found with.
+constexpr double kEdgeLength_px = 32, kEdgeAround_px = 28, kEdgeBlur_px = 3;
 constexpr float kEdgeFrom = 1.5f,
                 kEdgeSure = 2.5f;  // times the usual gradient along the flow: begins to be one, is one
 
@@ -56,19 +56,21 @@ double mean_square(const cv::Mat& band, const cv::Mat& within) {
 
 /// Edges that lie across the flow and stand out of what is usual around them: brinks, ledges, rims. Texture has steep
 /// places too, but they do not go on across the flow.
-cv::Mat edges_across(const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& direction) {
+cv::Mat edges_across(const cv::Mat& luma, const cv::Mat& matte, const LayoutMotion& motion) {
+  const cv::Mat& direction = motion.direction;
+  const double length = kEdgeLength_px / motion.step, blur = kEdgeBlur_px / motion.step;
   cv::Mat coarse, within, x, y, way[2], across;
   cv::resize(luma, coarse, direction.size(), 0, 0, cv::INTER_AREA);
   cv::resize(matte, within, direction.size(), 0, 0, cv::INTER_AREA);
-  cv::GaussianBlur(coarse, coarse, {}, kEdgeBlur, kEdgeBlur, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(coarse, coarse, {}, blur, blur, cv::BORDER_REPLICATE);
   cv::Sobel(coarse, x, CV_32F, 1, 0);
   cv::Sobel(coarse, y, CV_32F, 0, 1);
   cv::split(direction, way);
   const cv::Mat steep = x.mul(way[0]) + y.mul(way[1]);
   cv::merge(std::vector<cv::Mat>{-way[1], way[0]}, across);
-  const cv::Mat goes_on = base_image(steep, within, across * kEdgeLength,
-                                     {.shutter_s = 1, .max_length_px = kEdgeLength, .gaussian_s = 0});
-  const cv::Mat usual = mean_within(cv::abs(steep), within, kEdgeAround) + kFaint;
+  const cv::Mat goes_on =
+      base_image(steep, within, across * length, {.shutter_s = 1, .max_length_px = length, .gaussian_s = 0});
+  const cv::Mat usual = mean_within(cv::abs(steep), within, kEdgeAround_px / motion.step) + kFaint;
   cv::Mat edges = ramp(cv::abs(goes_on) / usual, kEdgeFrom, kEdgeSure), out;
   cv::dilate(edges, out, cv::Mat());
   return out;
@@ -90,7 +92,7 @@ cv::Mat drawn_out(const cv::Mat& band, const cv::Mat& within, const cv::Mat& dir
 
 StandingLayout::StandingLayout(const FluidPlanes& planes, const cv::Mat& matte, const LayoutMotion& motion,
                                std::span<const double> shares)
-    : edges_(edges_across(planes.luma, matte, motion.direction)) {
+    : edges_(edges_across(planes.luma, matte, motion)) {
   const int levels = static_cast<int>(shares.size());
   vision::laplacian_pyramid(planes.luma, levels, stands_);
   std::vector<cv::Mat> goes(stands_.size());

@@ -10,10 +10,11 @@
 
 namespace freshet::synth::animate {
 
-/// How the fluid goes in the still, sampled every CarriedBase::kStep px.
+/// How the fluid goes in the still, sampled as the copies' maps.
 struct LayoutMotion {
   cv::Mat direction;  // CV_32FC2: unit vectors of the mean motion, (0, 0) where nothing moves
   cv::Mat travel;     // CV_32F, px: how far a place's fluid goes while one copy of the texture shows
+  int step = 4;       // px of the picture between samples
 };
 
 /// In a fall the light, the brink and the ledges stand, and only texture falls. Detail that is carried as it is takes

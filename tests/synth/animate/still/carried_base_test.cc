@@ -11,7 +11,7 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kWidth = 160, kHeight = 96;
+constexpr int kWidth = 160, kHeight = 96, kStep = 4;
 constexpr double kFps = 25;
 
 double stripes(double x, double y) { return 0.5 + 0.25 * std::sin(x / 5) + 0.15 * std::cos(y / 7); }
@@ -36,9 +36,9 @@ class Carried {
  public:
   /// motion   CV_32FC2, px/s. half_life_s of detail.
   Carried(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& motion,
-          double half_life_s, double edge_px = 32, int loop = 0)
-      : base_(continued(fluid_planes(bgr, luma, matte), matte, {}), {.edge_px = edge_px}),
-        maps_(steady(motion, half_life_s, loop, base_.places())) {}
+          double half_life_s, double edge_px = 32, int loop = 0, int step = kStep)
+      : base_(continued(fluid_planes(bgr, luma, matte), matte, {}), {.edge_px = edge_px, .step = step}),
+        maps_(steady(motion, half_life_s, loop, base_.places(), step)) {}
   CarriedFrame frame(int i) {
     maps_.prepare(i, 1);
     return base_.frame(maps_.at(i));
@@ -50,12 +50,12 @@ class Carried {
   int own_frame(int copy) const { return maps_.own_frame(copy); }
 
  private:
-  static CopyMaps steady(const cv::Mat& motion, double half_life_s, int loop, const CopyPlaces& places) {
-    constexpr int kStep = CarriedBase::kStep;
+  static CopyMaps steady(const cv::Mat& motion, double half_life_s, int loop, const CopyPlaces& places,
+                         int step) {
     cv::Mat coarse;
-    cv::resize(motion / kFps, coarse, {(motion.cols + kStep - 1) / kStep, (motion.rows + kStep - 1) / kStep},
-               0, 0, cv::INTER_AREA);
-    return CopyMaps([coarse](int) { return coarse; }, places, kStep,
+    cv::resize(motion / kFps, coarse, {(motion.cols + step - 1) / step, (motion.rows + step - 1) / step}, 0,
+               0, cv::INTER_AREA);
+    return CopyMaps([coarse](int) { return coarse; }, places, step,
                     {.interval = CopyMaps::interval_of(half_life_s, kFps, loop),
                      .loop_frames = loop,
                      .wander = 20,
@@ -80,37 +80,47 @@ TEST(CarriedBase, WithoutMotionIsThePicture) {
   for (const int i : {0, 3, 25}) EXPECT_LT(cv::norm(shown(base, i), picture(), cv::NORM_INF), 1e-4);
 }
 
+TEST(CarriedBase, MapsAreAsCoarseAsMotionIsTold) {
+  EXPECT_EQ(step_of_maps(1), 4);
+  EXPECT_EQ(step_of_maps(1.5), 8);
+  EXPECT_EQ(step_of_maps(2.5), 8);
+  EXPECT_EQ(step_of_maps(3), 16);
+  EXPECT_EQ(step_of_maps(16), 16);
+}
+
 TEST(CarriedBase, IsCopiesReadWhereTheirMapsSay) {
-  Carried carried(bgr_of(picture()), picture(), whole(), motion(40, -20), 0.15, 1);
-  int compared = 0;
-  for (int i = 0; i < 30; ++i) {
-    const std::vector<CopyMap> copies = carried.maps(i);
-    const cv::Mat frame = shown(carried, i);
-    double worst = 0;
-    // Between the samples of weights: in the middle of two by two of them.
-    for (int y = kMiddle.y; y < kMiddle.br().y; ++y)
-      for (int x = kMiddle.x; x < kMiddle.br().x; ++x) {
-        const double at_x = (x + 0.5) / CarriedBase::kStep - 0.5, at_y = (y + 0.5) / CarriedBase::kStep - 0.5;
-        const int x0 = static_cast<int>(at_x), y0 = static_cast<int>(at_y);
-        double expected = 0, all = 0;
-        for (const CopyMap& copy : copies) {
-          const auto weight = [&](int column, int row) { return copy.weight.at<float>(row, column); };
-          const double fx = at_x - x0, fy = at_y - y0;
-          const double upper = (1 - fx) * weight(x0, y0) + fx * weight(x0 + 1, y0);
-          const double lower = (1 - fx) * weight(x0, y0 + 1) + fx * weight(x0 + 1, y0 + 1);
-          const auto source = copy.source.at<cv::Vec2f>(y0, x0);  // the same everywhere
-          const double here = (1 - fy) * upper + fy * lower;
-          all += here;
-          expected += here * stripes(x + source[0], y + source[1]);
+  for (const int step : {4, 8, 16}) {
+    Carried carried(bgr_of(picture()), picture(), whole(), motion(40, -20), 0.15, 1, 0, step);
+    int compared = 0;
+    for (int i = 0; i < 30; ++i) {
+      const std::vector<CopyMap> copies = carried.maps(i);
+      const cv::Mat frame = shown(carried, i);
+      double worst = 0;
+      // Between the samples of weights: in the middle of two by two of them.
+      for (int y = kMiddle.y; y < kMiddle.br().y; ++y)
+        for (int x = kMiddle.x; x < kMiddle.br().x; ++x) {
+          const double at_x = (x + 0.5) / step - 0.5, at_y = (y + 0.5) / step - 0.5;
+          const int x0 = static_cast<int>(at_x), y0 = static_cast<int>(at_y);
+          double expected = 0, all = 0;
+          for (const CopyMap& copy : copies) {
+            const auto weight = [&](int column, int row) { return copy.weight.at<float>(row, column); };
+            const double fx = at_x - x0, fy = at_y - y0;
+            const double upper = (1 - fx) * weight(x0, y0) + fx * weight(x0 + 1, y0);
+            const double lower = (1 - fx) * weight(x0, y0 + 1) + fx * weight(x0 + 1, y0 + 1);
+            const auto source = copy.source.at<cv::Vec2f>(y0, x0);  // the same everywhere
+            const double here = (1 - fy) * upper + fy * lower;
+            all += here;
+            expected += here * stripes(x + source[0], y + source[1]);
+          }
+          // Where nearly all comes from beyond the picture, the exposure shows.
+          if (all < 0.35) continue;
+          ++compared;
+          worst = std::max(worst, std::abs(expected / all - frame.at<float>(y, x)));
         }
-        // Where nearly all comes from beyond the picture, the exposure shows.
-        if (all < 0.35) continue;
-        ++compared;
-        worst = std::max(worst, std::abs(expected / all - frame.at<float>(y, x)));
-      }
-    EXPECT_LT(worst, 6e-3) << i;
+      EXPECT_LT(worst, 6e-3) << i << " " << step;
+    }
+    EXPECT_GT(compared, 15 * kMiddle.area());
   }
-  EXPECT_GT(compared, 15 * kMiddle.area());
 }
 
 TEST(CarriedBase, WeightsThatAreNotReadAreAsTheyWouldBeRead) {
@@ -130,7 +140,7 @@ TEST(CarriedBase, WeightsThatAreNotReadAreAsTheyWouldBeRead) {
       CopyMap copy{.weight = cv::Mat(samples, CV_32F, cv::Scalar(0.5)), .source = cv::Mat(samples, CV_32FC2)};
       for (int y = 0; y < samples.height; ++y)
         for (int x = 0; x < samples.width; ++x)
-          copy.source.at<cv::Vec2f>(y, x) = CarriedBase::kStep * shear *
+          copy.source.at<cv::Vec2f>(y, x) = kStep * shear *
                                             cv::Vec2f(static_cast<float>(y - samples.height / 2),
                                                       static_cast<float>(x - samples.width / 2));
       copies.push_back(copy);

@@ -110,7 +110,7 @@ TEST(Continued, FluidGoesOnAsFluid) {
 
 TEST(Continued, SidesAreThoseThatTheFluidCrosses) {
   const auto sides = [](double u, double v, const cv::Mat& matte) {
-    return crossed_sides(cv::Mat(kPicture.size(), CV_32FC2, cv::Scalar(u, v)), matte);
+    return crossed_sides(cv::Mat(kPicture.size(), CV_32FC2, cv::Scalar(u, v)), matte, 4);
   };
   const Sides right = sides(10, 0, all_fluid());
   EXPECT_EQ(right.left, 40);

@@ -38,8 +38,7 @@ CarriedFrame carried_frame() {
   const cv::Mat matte(kSize, CV_32F, cv::Scalar(1));
   const CarriedBase base(continued(fluid_planes(picture, luma_of(picture), matte), matte, {}),
                          {.edge_px = 4});
-  const cv::Size samples((kSize.width + CarriedBase::kStep - 1) / CarriedBase::kStep,
-                         (kSize.height + CarriedBase::kStep - 1) / CarriedBase::kStep);
+  const cv::Size samples = base.places().own().size();
   const cv::Mat whole(samples, CV_32F, cv::Scalar(1));
   const std::vector<CopyMap> copies{{0.6 * whole, cv::Mat(samples, CV_32FC2, cv::Scalar(-4, 2))},
                                     {0.4 * whole, cv::Mat(samples, CV_32FC2, cv::Scalar(7, -3))}};
