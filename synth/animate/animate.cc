@@ -39,9 +39,10 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
                       .progress = progress,
                       .stop = std::move(stop)};
   animation.report.pieces = placement.patches.size();
-  const StillPart still = read_still(animation);
+  StillPart still = read_still(animation);
   animation.report.base_s = animation.watch.lap();
   const std::unique_ptr<Renderer> renderer = renderer_of(animation, still, options);
+  still.release_for_frames(options.moving());
   make_frames(animation, still, *renderer, sink);
   animation.report.total_s = total.seconds();
   return animation.report;

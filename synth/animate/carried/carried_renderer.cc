@@ -148,6 +148,7 @@ class CarriedRenderer final : public Renderer {
     measure_clips();
     animation.tell("base", 0, 0);
     lay_copies();
+    release_for_frames();
     animation.report.base_s += animation.watch.lap();
   }
 
@@ -159,7 +160,7 @@ class CarriedRenderer final : public Renderer {
       goes = goes.clone();  // the field's own is read by others
       other_way_->displacement(output).copyTo(goes, other_way_->share > 0.5);
     }
-    return for_every_pixel(goes, field_->step(), still_.luma.size());
+    return for_every_pixel(goes, field_->step(), still_.alpha.size());
   }
 
   void read(std::span<const int> outputs) override {
@@ -316,6 +317,14 @@ class CarriedRenderer final : public Renderer {
                                                              frames.fps, step_px_, frames.loop, carrying);
     other_way_->displacement = [field](int i) { return field->at(i); };
     cv::resize(down.share, other_way_->share, field_->size(), 0, 0, cv::INTER_AREA);
+  }
+
+  void release_for_frames() {
+    still_.release_for_frames(false);
+    if (!animation_.options.moving()) still_.target.release();
+    still_.luma.release();
+    carried_motion_.release();
+    if (glitter_) glitter_->release_ground();
   }
 
   void measure_rest_of_colour(const FluidPlanes& planes, const CarriedFrame& first) {

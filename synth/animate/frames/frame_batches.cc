@@ -15,7 +15,14 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kGroup = 8;  // frames rendered at once before they are handed on in order
+// Frames rendered at once before they are handed on in order: as many more are on their way out.
+constexpr int kMaxGroup = 8, kMinGroup = 4;
+constexpr int kGroupPixels = 32 << 20;
+
+std::size_t group_of(cv::Size picture) {
+  return static_cast<std::size_t>(
+      std::clamp(kGroupPixels / std::max(picture.area(), 1), kMinGroup, kMaxGroup));
+}
 
 /// Output frames in the order in which they are shown.
 std::vector<int> order_of(const FrameOptions& options, int first) {
@@ -49,15 +56,15 @@ void make_frames(Animation& animation, const StillPart& still, Renderer& rendere
         [&](int i) { return renderer.motion(order[static_cast<std::size_t>(i) % order.size()]); },
         options.loop ? options.frames : 0, options.outline.held);
   Handover handover(sink);
+  const std::size_t group = group_of(animation.picture.size());
   const int batch = renderer.batch(), end = options.end(), from = std::clamp(options.from, 0, end);
   animation.report.batches = (options.frames + batch - 1) / batch;
   for (int first = 0; first < end; first += batch) {
     const std::span<const int> read = std::span(order).subspan(first, std::min(batch, end - first));
     renderer.read(read);
-    for (std::size_t done = 0; done < read.size(); done += kGroup) {
+    for (std::size_t done = 0; done < read.size(); done += group) {
       animation.throw_if_stopped();
-      const std::span<const int> outputs =
-          read.subspan(done, std::min<std::size_t>(kGroup, read.size() - done));
+      const std::span<const int> outputs = read.subspan(done, std::min(group, read.size() - done));
       const int before = first + static_cast<int>(done);
       const std::size_t passed =
           std::min(outputs.size(), static_cast<std::size_t>(std::max(0, from - before)));
@@ -75,7 +82,7 @@ void make_frames(Animation& animation, const StillPart& still, Renderer& rendere
         finished[i] = renderer.finish(outputs[passed + i], mattes[passed + i]);
       });
       handover.take(std::move(finished));
-      animation.tell("render", static_cast<std::size_t>(std::min(before + kGroup, end)),
+      animation.tell("render", static_cast<std::size_t>(std::min(before + static_cast<int>(group), end)),
                      static_cast<std::size_t>(end));
     }
     animation.report.render_s += animation.watch.lap();

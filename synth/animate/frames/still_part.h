@@ -22,6 +22,13 @@ struct StillPart {
   cv::Mat assigned_motion,
       asked_motion;  // CV_32FC2, px/s: the patches' own, and as it is asked (apply_guide)
   ColourModel colours;
+
+  /// Once a renderer has been made: what frames do not need, 32 bytes a pixel, and 8 more unless an outline moves.
+  void release_for_frames(bool moving) {
+    colours = {};
+    assigned_motion.release();
+    if (!moving) asked_motion.release();
+  }
 };
 /// Throws   as behind_fluid, before any other work.
 StillPart read_still(const Animation& animation);

@@ -298,10 +298,12 @@ CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& 
   };
   const cv::Mat half_weight = halved(weight);
   own_ = half_weight(cv::Rect(picture_.tl() / 2, half_));
-  const cv::Mat none = cv::Mat::zeros(half_weight.size(), CV_32F);
-  cv::merge(std::vector<cv::Mat>{with_margin(halved(plane[1]), 1), with_margin(halved(plane[2]), 1),
-                                 with_margin(half_weight, 1), with_margin(none, 1)},
-            colour_);
+  if (carries_colour_) {
+    const cv::Mat none = cv::Mat::zeros(half_weight.size(), CV_32F);
+    cv::merge(std::vector<cv::Mat>{with_margin(halved(plane[1]), 1), with_margin(halved(plane[2]), 1),
+                                   with_margin(half_weight, 1), with_margin(none, 1)},
+              colour_);
+  }
 
   const auto sampled = [step = step_](cv::Size of) {
     return cv::Size((of.width + step - 1) / step, (of.height + step - 1) / step);

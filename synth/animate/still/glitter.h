@@ -37,6 +37,10 @@ class Glitter {
   /// The picture without its sparkles, CV_32FC3, and its luma.
   const cv::Mat& ground() const { return ground_; }
   const cv::Mat& ground_luma() const { return ground_luma_; }
+  void release_ground() {
+    ground_.release();
+    ground_luma_.release();
+  }
   /// Over which sparkles are alike across, px: 2 for crumbs of light, 6 where they run together (of 640 px).
   double size_px() const { return size_px_; }
   /// CV_32F, the picture's size, -1/4 .. 7/4: a quarter of the sparkles over their usual strength, less 1. Its mean
