@@ -24,6 +24,11 @@ double by_loops(const cv::Mat& one, const cv::Mat& other) {
   return all;
 }
 
+TEST(Dot, OfMagnitudesIsThatOfAbsoluteValues) {
+  const cv::Mat one = noise({123, 5}, CV_32FC1, 1), other = noise({123, 5}, CV_32FC1, 2);
+  EXPECT_EQ(dot_of_magnitudes(one, other), dot(cv::abs(one), other));
+}
+
 TEST(Dot, IsTheLoopsToTheBitForAnyWidthOfRows) {
   for (const int columns : {1, 7, 8, 9, 64, 123})
     for (const int type : {CV_32FC1, CV_32FC2, CV_32FC3}) {

@@ -37,6 +37,22 @@ FRESHET_WIDE void add_row(sampling::WidenedRows::Row more, int n, std::int16_t* 
   }
 }
 
+FRESHET_WIDE void weigh_row(const float* own, const float* plane, const float* weight, int n, float* out) {
+  for (int x = 0; x < n; ++x) out[x] = (own[x] - plane[x]) * weight[x];
+}
+FRESHET_WIDE void weigh_row(const std::int16_t* own, const std::int16_t* plane, const float* weight, int n,
+                            float* out) {
+  for (int x = 0; x < n; ++x) out[x] = static_cast<float>(own[x] - plane[x]) * weight[x];
+}
+
+template <class Value>
+cv::Mat weighed_difference(const cv::Mat& own, const cv::Mat& plane, const cv::Mat& weight) {
+  cv::Mat out(plane.size(), CV_32F);
+  for (int y = 0; y < out.rows; ++y)
+    weigh_row(own.ptr<Value>(y), plane.ptr<Value>(y), weight.ptr<float>(y), out.cols, out.ptr<float>(y));
+  return out;
+}
+
 }  // namespace
 
 StandingColour::StandingColour(const FluidPlanes& planes, const cv::Mat& matte)
@@ -81,9 +97,9 @@ void StandingColour::hold(cv::Mat& luma, CarriedFrame* frame, double share) cons
 
 void StandingColour::hold_mean(const cv::Mat& own, const cv::Mat& weight, int passes, double share,
                                cv::Mat& plane) const {
-  cv::Mat away, left, all = cv::Mat::zeros(mass_.size(), CV_32F);
-  cv::subtract(own, plane, away, cv::noArray(), CV_32F);
-  cv::multiply(away, weight, away);
+  const cv::Mat away = plane.depth() == CV_32F ? weighed_difference<float>(own, plane, weight)
+                                               : weighed_difference<std::int16_t>(own, plane, weight);
+  cv::Mat left, all = cv::Mat::zeros(mass_.size(), CV_32F);
   cv::resize(away, left, mass_.size(), 0, 0, cv::INTER_AREA);
   for (int pass = 0; pass < passes; ++pass) {
     const cv::Mat mean = around(left) / mass_;

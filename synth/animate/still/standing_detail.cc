@@ -23,13 +23,13 @@ StandingDetail::StandingDetail(const FluidPlanes& planes, const cv::Mat& matte, 
     cv::Mat within;
     cv::resize(matte, within, band(level).size(), 0, 0, cv::INTER_AREA);
     within_.push_back(within);
-    magnitude_.push_back(vision::dot(cv::abs(band(level)), within));
+    magnitude_.push_back(vision::dot_of_magnitudes(band(level), within));
   }
 }
 
 float StandingDetail::match(const cv::Mat& band, int level, double kept, double strength) const {
   const auto at = static_cast<std::size_t>(level);
-  const double found = vision::dot(cv::abs(band), within_[at]);
+  const double found = vision::dot_of_magnitudes(band, within_[at]);
   if (found <= 0) return 1;
   return static_cast<float>(
       std::pow(std::clamp(kept * magnitude_[at] / found, 1 / kMatchedBy, kMatchedBy), strength));
