@@ -92,7 +92,7 @@ struct Blender::Impl {
   };
   oneapi::tbb::enumerable_thread_specific<Scratch> scratch;
 
-  void add(int frame, std::size_t patch, const cv::Mat& detail, float less, float level_of_piece);
+  void add(int frame, std::size_t patch, const cv::Mat& difference, float mean);
   cv::Rect at_level(std::size_t patch, int level) const {
     const cv::Point corner = placement.patches[patch].piece - canvas.tl();
     const int side = placement.side >> level;
@@ -165,18 +165,12 @@ Blender::Blender(const Placement& placement, int frames, const BlendOptions& opt
 Blender::~Blender() = default;
 
 void Blender::add(int frame, std::size_t patch, const cv::Mat& difference) {
-  if (impl_->options.low_band == LowBand::kKeep) return impl_->add(frame, patch, difference, 0, 0);
-  const float mean = mean_of(difference, impl_->scratch.local().line);
-  impl_->add(frame, patch, difference, mean, mean);
+  const bool keep = impl_->options.low_band == LowBand::kKeep;
+  impl_->add(frame, patch, difference, keep ? 0 : mean_of(difference, impl_->scratch.local().line));
 }
 
-void Blender::add(int frame, std::size_t patch, const cv::Mat& detail, float level) {
-  impl_->add(frame, patch, detail, mean_of(detail, impl_->scratch.local().line), level);
-}
-
-/// A piece's bands, less a mean; and its level.
-void Blender::Impl::add(int frame, std::size_t patch, const cv::Mat& detail, float less,
-                        float level_of_piece) {
+/// A piece's bands, less its mean; and that, its level.
+void Blender::Impl::add(int frame, std::size_t patch, const cv::Mat& difference, float mean) {
   Impl& self = *this;
   std::vector<cv::Mat>& sums = self.bands[frame];
   const int levels = self.options.levels;
@@ -194,10 +188,10 @@ void Blender::Impl::add(int frame, std::size_t patch, const cv::Mat& detail, flo
   s.wide.resize(area);
   s.line.resize(side + 4);
   s.weight.resize(area);
-  self.mean_luma_of_piece[frame].at<float>(self.lattice->at(patch)) = level_of_piece;
-  const auto* values = detail.ptr<float>();
-  const auto row = static_cast<std::ptrdiff_t>(detail.step1());
-  take_off(values, row, less, side, s.current.data());
+  self.mean_luma_of_piece[frame].at<float>(self.lattice->at(patch)) = mean;
+  const auto* values = difference.ptr<float>();
+  const auto row = static_cast<std::ptrdiff_t>(difference.step1());
+  take_off(values, row, mean, side, s.current.data());
   for (int level = 0; level <= levels; ++level) {
     const cv::Rect at = self.at_level(patch, level);
     float* sum = sums[level].ptr<float>(at.y) + at.x;

@@ -49,12 +49,10 @@ class Blender {
   Blender(const Placement& placement, int frames, const BlendOptions& options);
   ~Blender();
 
-  /// Adds one piece's difference in one frame: CV_32F, side x side, luma. Or its detail from elsewhere, whose
-  /// own mean is left out, and its level.
+  /// Adds one piece's difference in one frame: CV_32F, side x side, luma.
   /// Different frames may be added from different threads; the pieces of one frame in a fixed order, for results
   /// that do not depend on threads.
   void add(int frame, std::size_t patch, const cv::Mat& difference);
-  void add(int frame, std::size_t patch, const cv::Mat& detail, float level);
 
   /// How much of each band of a piece is taken from now on; 1 by default. gains: levels() values, finest first.
   void scale(std::size_t patch, std::span<const float> gains);

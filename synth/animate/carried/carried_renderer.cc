@@ -170,7 +170,7 @@ class CarriedRenderer final : public Renderer {
   void prepare(std::span<const int> outputs, std::span<const cv::Mat> mattes, std::size_t passed) override {
     if (outputs.front() == 0) begin_as_the_still(mattes.front());
     if (passed < outputs.size()) prepare_copies(outputs[passed], static_cast<int>(outputs.size() - passed));
-    if (innovations_) innovations_->advance(outputs, passed, *field_);
+    if (innovations_) innovations_->advance(outputs, *field_);
   }
 
   cv::Mat finish(int output, const cv::Mat& matte) override {
@@ -188,10 +188,11 @@ class CarriedRenderer final : public Renderer {
  private:
   /// begun  of what comes anew, 0..1.
   void add_innovations(int output, double begun, cv::Mat& luma) {
-    const cv::Mat level = innovations_->take_level(output);
+    const cv::Mat level = innovations_->level(output);
     if (options_.level_sink) {
       cv::Mat lighter = cv::Mat::zeros(luma.size(), CV_32F);
-      innovations_->add_level(begun * limited(level, kMaxLevel), lighter);
+      innovations_->add_level(begun * innovations_->liveliest_level(output, options_.sunk_deviation),
+                              lighter);
       options_.level_sink(output, lighter);
     }
     innovations_->add(output, begun, limited(level, std::lerp(kMaxLevel, kMaxLayoutLevel, share_.mean())),

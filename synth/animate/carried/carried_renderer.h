@@ -56,9 +56,10 @@ struct CarriedOptions {
   /// What comes from the patches' pixels. Nothing: the motion alone, and no frame of a clip is read. For a first look:
   /// a third of the time.
   std::optional<InnovationOptions> innovations = InnovationOptions{};
-  /// Takes how much lighter than usual the patches are in an output frame, .08 at most, in the share that has begun:
+  /// Takes how much lighter than usual the liveliest patches are in an output frame, in the share that has begun:
   /// CV_32F of the picture's size, luma. finish() calls it, where anything comes from their pixels. From many threads.
   std::function<void(int output, const cv::Mat& lighter)> level_sink{};
+  double sunk_deviation = 0.01;  // luma: over time, of any place, at most
 };
 
 /// Copies of the picture are carried along the motion of the assigned patches (CopyMaps, CarriedBase), their contrast

@@ -11,7 +11,7 @@ namespace freshet::synth::animate {
 namespace {
 
 BlendOptions blend_options(const InnovationOptions& options) {
-  return {.weights = options.weights, .low_band = LowBand::kShared, .low_band_reach = options.low_band_reach};
+  return {.weights = options.weights, .low_band = LowBand::kRemove};
 }
 
 }  // namespace
@@ -22,7 +22,8 @@ Innovations::Innovations(Animation& animation, const cv::Mat& luma, Resampling r
       placement_(halved(animation.placement)),
       canvas_(placement_, animation.picture.size()),
       batches_(animation, placement_, resampling, ClipDetail::kInnovation, blend_options(options)),
-      renewal_(placement_, canvas_, luma, batches_.blender(), animation.options.fps, options.renewal) {}
+      renewal_(placement_, canvas_, luma, batches_.blender(), animation.options.fps, options.renewal),
+      levels_(placement_, animation.options.frames, options.low_band_reach) {}
 
 void Innovations::measure(MotionSums& motion) {
   // They are carried on from frame to frame, and nothing comes back from frames behind the last wanted.
@@ -30,9 +31,11 @@ void Innovations::measure(MotionSums& motion) {
     // Before all frames are held: it needs the samples alone, and what it holds is kept for the next step.
     renewal_.measure(layer, batches_.samples());
     layer.measure(kept);
+    layer.each_level([&](std::size_t patch, int output, float level) { levels_.set(patch, output, level); });
     add_motion(animation_, layer, motion);
   });
   renewal_.settle();
+  levels_.settle();
 }
 
 std::vector<double> Innovations::shares(int levels, double begun) const {
@@ -48,7 +51,7 @@ cv::Mat Innovations::restrict_to(const cv::Mat& lively, int step) {
   return lively.mul(canvas_.sampled(renewal_.places(), step, lively.size()));
 }
 
-void Innovations::advance(std::span<const int> outputs, std::size_t passed, const CarryingField& field) {
+void Innovations::advance(std::span<const int> outputs, const CarryingField& field) {
   Blender& blender = batches_.blender();
   first_ = outputs.front();
   advanced_.assign(outputs.size(), {});
@@ -57,7 +60,6 @@ void Innovations::advance(std::span<const int> outputs, std::size_t passed, cons
   });
   for (std::size_t i = 0; i < outputs.size(); ++i)
     advanced_[i] = renewal_.advance(field.at(outputs[i] - 1), field.step(), advanced_[i]);
-  for (std::size_t i = 0; i < passed; ++i) blender.drop(batches_.slot(outputs[i]));
 }
 
 void Innovations::add(int output, double begun, const cv::Mat& level, cv::Mat& luma) {

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "synth/animate/carried/renewal.h"
+#include "synth/animate/carried/shared_levels.h"
 #include "synth/animate/frames/animation.h"
 #include "synth/animate/frames/clip_batches.h"
 #include "synth/animate/frames/pieces_canvas.h"
@@ -19,8 +20,7 @@ namespace freshet::synth::animate {
 struct InnovationOptions {
   /// Where pieces overlap.
   BlendWeights weights = BlendWeights::kVariance;
-  double low_band_reach =
-      3;  // pieces: sigma of the neighbourhood that shares how light it is (LowBand::kShared)
+  double low_band_reach = 3;  // pieces: sigma of the neighbourhood that shares how light it is (SharedLevels)
   RenewalOptions renewal{};
 };
 
@@ -45,11 +45,12 @@ class Innovations {
 
   int batch() const { return batches_.batch(); }
   void read(std::span<const int> outputs) { batches_.read(outputs); }
-  /// The innovations of successive frames, of which the first `passed` are not wanted.
-  void advance(std::span<const int> outputs, std::size_t passed, const CarryingField& field);
-  /// How much lighter than usual the patches are in a frame that was advanced to, on the canvas, luma. Once for each.
-  /// Safe from many threads.
-  cv::Mat take_level(int output) { return batches_.blender().take_level(batches_.slot(output)); }
+  /// The innovations of successive frames.
+  void advance(std::span<const int> outputs, const CarryingField& field);
+  /// How much lighter than usual the patches are in a frame, on the canvas, luma. Safe from many threads.
+  cv::Mat level(int output) const { return levels_.at(output); }
+  /// Of the liveliest around each place (SharedLevels). deviation: at most, luma.
+  cv::Mat liveliest_level(int output, double deviation) const { return levels_.liveliest(output, deviation); }
   /// Adds a frame's detail, and this level, to its luma; once for each that was advanced to and is wanted. begun: of
   /// their share, 0..1. Safe from many threads.
   void add(int output, double begun, const cv::Mat& level, cv::Mat& luma);
@@ -62,6 +63,7 @@ class Innovations {
   const PiecesCanvas canvas_;
   ClipBatches batches_;
   Renewal renewal_;
+  SharedLevels levels_;
   std::vector<cv::Mat> counts_;  // on the canvas, for Renewal::show
   std::vector<cv::Mat> advanced_;
   int first_ = 0;  // the output frame of the first of them

@@ -147,6 +147,15 @@ std::vector<ClipLayer::Played> ClipLayer::played() const {
   return played;
 }
 
+void ClipLayer::each_level(const std::function<void(std::size_t, int, float)>& use) const {
+  for (const SpeedGroup& group : groups_)
+    oneapi::tbb::parallel_for(std::size_t{0}, group.members.size(), [&](std::size_t i) {
+      for (std::size_t output = 0; output < group.moments.size(); ++output)
+        use(patches_[group.members[i]], static_cast<int>(output),
+            group.levels->at(i, static_cast<int>(output)));
+    });
+}
+
 std::size_t ClipLayer::average_bytes() const {
   if (detail_ == ClipDetail::kInnovation) return 0;
   return groups_.size() * luma_.region().area() * sizeof(float);
@@ -365,13 +374,9 @@ void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
                     [&](std::size_t i, const cv::Mat& window) { blender.add(frame, patches_[i], window); });
         continue;
       }
-      s.levels.resize(patches_.size());
-      for (std::size_t i = 0; i < group.members.size(); ++i)
-        s.levels[group.members[i]] = group.levels->at(i, outputs[slot]);
       innovation(group, moment, s);
-      each_window(group, s.innovation, s, [&](std::size_t i, const cv::Mat& window) {
-        blender.add(frame, patches_[i], window, s.levels[i]);
-      });
+      each_window(group, s.innovation, s,
+                  [&](std::size_t i, const cv::Mat& window) { blender.add(frame, patches_[i], window); });
     }
   });
 }

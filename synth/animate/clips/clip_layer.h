@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -58,9 +59,8 @@ class ClipLayer {
   /// Memory   the kept frames and two slabs of 16.
   void measure(std::span<const int> kept, std::vector<double>* change = nullptr);
   /// Differences of the output frames `outputs` to the average, cut out patch by patch, into the blender's
-  /// frames 0, 1, ... Or their innovations, and how much lighter than on average a patch is: between two frames of the
-  /// clip in proportion, as its mean hardly depends on where within it things have moved. After measure(). Reads what
-  /// is not in memory. All threads; the same for any number.
+  /// frames 0, 1, ... Or their innovations. After measure(). Reads what is not in memory. All threads; the same for any
+  /// number.
   void add(std::span<const int> outputs, Blender& blender);
   /// Mean squares by the blender's bands, finest first.
   struct DetailPower {
@@ -78,6 +78,10 @@ class ClipLayer {
     std::span<const playing::Moment> moments;
   };
   std::vector<Played> played() const;
+  /// kInnovation: calls with each patch of the placement, output frame, and how much lighter than on average it is
+  /// then: between two frames of the clip in proportion, as its mean hardly depends on where within it things have
+  /// moved. After measure(). From many threads; of one patch from one.
+  void each_level(const std::function<void(std::size_t patch, int output, float level)>& use) const;
   const ClipLuma& luma() const { return luma_; }
 
   /// Seconds spent in reading from the store.
@@ -103,7 +107,7 @@ class ClipLayer {
   };
   struct Scratch {
     cv::Mat shown, innovation, reduced, window;
-    std::vector<float> part, line, levels;  // levels: by patch of the clip
+    std::vector<float> part, line;
     ClipLuma::Scratch luma;
   };
   struct Stretch {  // frames[first, end), which are in memory

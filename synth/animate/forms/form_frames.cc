@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "synth/animate/forms/light_level.h"
+#include "synth/animate/still/colour_model.h"
 #include "vision/flow.h"
 
 namespace freshet::synth::animate {
@@ -17,7 +18,6 @@ namespace {
 constexpr int kSampled = 12;  // moments that levels are matched by
 constexpr double kEdge =
     0.02;  // of the picture's longer side: flames thin out so far within the matte's edge
-constexpr double kBehind = 0.6;        // levels that flames lose behind what may stand before them
 constexpr double kThinSmooth = 0.012;  // sigma, of the picture's longer side
 constexpr float kDrawn = 0.75f;        // of the way to the picture's flames that the clip's are drawn
 constexpr double kLitAround = 0.6;     // sigma of the light around a fire, of its height
@@ -102,7 +102,7 @@ FormFrames::FormFrames(const cv::Mat& picture, const cv::Mat& alpha, const Parte
       options_(options),
       colours_(still.light, still.level),
       beside_(beside(alpha)) {
-  beside_ = cv::max(beside_, kBehind * still.before);
+  beside_ = cv::max(beside_, kLostBehind * still.before);
   match_levels();
   draw_to_picture();
   follow_flames();

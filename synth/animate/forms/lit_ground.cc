@@ -21,7 +21,7 @@ constexpr float kNight = 0.05f, kDay = 0.2f;  // level of the ground's darkest q
 constexpr float kDarkest = 0.4f, kBrightest = 1.8f;  // times the usual light
 
 /// 1: nothing but fire lights this ground (CV_32FC3, light), to 0.
-double darkness(const cv::Mat& ground) {
+double darkness_of(const cv::Mat& ground) {
   cv::Mat luma;
   cv::cvtColor(ground, luma, cv::COLOR_BGR2GRAY);
   std::vector<float> each(luma.begin<float>(), luma.end<float>());
@@ -33,7 +33,7 @@ double darkness(const cv::Mat& ground) {
 }  // namespace
 
 LitGround::LitGround(const PartedStill& still, const cv::Mat& usual, double reach, double lighting)
-    : size_(still.level.size()) {
+    : size_(still.level.size()), darkness_(darkness_of(still.ground)) {
   const double by = std::max(1.0, std::max(size_.width, size_.height) / static_cast<double>(kSide));
   reduced_ = {std::max(1, cvRound(size_.width / by)), std::max(1, cvRound(size_.height / by))};
   sigma_ = std::max(1.0, reach / by);
@@ -41,7 +41,7 @@ LitGround::LitGround(const PartedStill& still, const cv::Mat& usual, double reac
   near_ = nearby(usual);
   cv::minMaxLoc(near_, nullptr, &most);
   near_ = (near_ / std::max(most, 1e-6) - kFarthest) / (kNearest - kFarthest);
-  near_ = cv::max(lighting * cv::min(cv::max(near_, 0.0), 1.0), darkness(still.ground));
+  near_ = cv::max(lighting * cv::min(cv::max(near_, 0.0), 1.0), darkness_);
   usual_ = falling(usual);
   cv::minMaxLoc(usual_, nullptr, &most);
   usual_ = cv::max(usual_, kFaintest * std::max(most, 1e-6));

@@ -21,12 +21,15 @@ class LitGround {
   /// How much brighter each place of the ground is below these flames: CV_32F, 1 where nothing has changed.
   /// level  CV_32F, of the picture's size. share  of the change, 0..1.
   cv::Mat brightening(const cv::Mat& level, float share) const;
+  /// 1: nothing but fire lights the ground, to 0.
+  double darkness() const { return darkness_; }
 
  private:
   cv::Mat nearby(const cv::Mat& level) const;
   cv::Mat falling(const cv::Mat& level) const;
 
   cv::Size size_, reduced_;
+  double darkness_;
   double sigma_;  // px, reduced
   cv::Mat usual_,
       near_;  // CV_32F, reduced: the light that falls usually, and 0..1, how far a place follows it

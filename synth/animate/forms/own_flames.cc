@@ -25,7 +25,6 @@ namespace {
 
 constexpr double kReach = 0.08;       // sigma of the light around a flame, of the picture's longer side
 constexpr double kNearFlames = 0.08;  // of the same: so far from its flames light may come anew
-constexpr float kBehind = 0.6f;       // levels that flames lose behind what may stand before them
 constexpr double kBelow = 0.012;      // of the same side: over which light ends below the bed
 constexpr double kWideLayout = 0.3;   // of flames (CarriedOptions::wide_layout)
 constexpr float kShines = 0.1f;       // levels above are flames
@@ -34,6 +33,7 @@ constexpr double kMostly =
     0.5;  // of all light, in tongues: what is beside them is what they light, a glass or a rim, and stands
 constexpr float kPalest = 1.1f;  // times the blue and the green of flames as bright
 constexpr float kFull = 0.15f;   // level of a ground that changes as the clips' does; a darker one less
+constexpr double kMostByDay = 0.006, kMostByNight = 0.05;  // luma: deviation of that change over time
 constexpr double kSoftSide =
     0.015;  // of the longer side: sigma over which that ends towards the matte's sides
 constexpr double kBedBeside = 0.02;  // of the longer side: sigma of columns that share their bed
@@ -272,6 +272,7 @@ class OwnFlames final : public Renderer {
     if (rest_stands_) own_.setTo(0);  // all of its light is shown
     inside_ = deep_in(still.alpha);
     reach_ = reach_of(parted_.level);
+    light_.release_for_frames(false);
   }
 
   int batch() const override { return carried_->batch(); }
@@ -345,7 +346,8 @@ class OwnFlames final : public Renderer {
         cv::Vec3f& light = carried.light.at<cv::Vec3f>(y, x) = {};
         for (int k = 0; k < 3 && f[3] > 0; ++k) light[k] = light_of(f[k] / f[3]);
         const float now = level_of(luma_of(light));
-        const float shown = thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
+        const float shown =
+            thinned(now * reach_.at<float>(y, x), kLostBehind * parted_.before.at<float>(y, x));
         const cv::Vec3f usual = no_paler(light, colours_.at(shown));
         light = usual + own_colours * (light - usual);
         if (now > 0) light *= light_of(shown) / light_of(now);
@@ -355,6 +357,7 @@ class OwnFlames final : public Renderer {
   }
 
   CarriedOptions with_level(CarriedOptions options) {
+    options.sunk_deviation = std::lerp(kMostByDay, kMostByNight, ground_.darkness() * ground_.darkness());
     options.level_sink = [this](int output, const cv::Mat& lighter) {
       const std::lock_guard lock(guard_);
       lighter_[output] = lighter;
@@ -415,7 +418,7 @@ class OwnFlames final : public Renderer {
   std::optional<TongueCourse> course_;
   bool rest_stands_ = false;
   const std::vector<OwnTongue> tongues_;
-  const StillPart light_;
+  StillPart light_;
   const FrameOptions light_options_;
   Animation inner_;
   std::mutex guard_;

@@ -16,6 +16,9 @@ struct PartedStill {
   double contrast = 0;  // mean level of what shines less that of what lies around it, 0..1; 0: nothing does
 };
 
+/// Levels that flames lose behind what may stand before them (PartedStill::before).
+inline constexpr float kLostBehind = 0.6f;
+
 /// What shines is warm (red before green before blue, or white within what is so), not pale as what it lights (blue
 /// above .6 of red over 2.4 % of the longer side, and not white), and lighter than the threshold that parts the fluid
 /// and its surroundings best (Otsu 1979). Blue gas flames are not found. Embers are redder than the upper half of their

@@ -9,19 +9,22 @@
 #include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include "synth/animate/frames/handover.h"
 
 namespace freshet::synth::animate {
 namespace {
 
-// Frames rendered at once before they are handed on in order: as many more are on their way out.
+// Frames rendered at once before they are handed on in order: as many more are on their way out. Of large ones no more
+// than there are threads.
 constexpr int kMaxGroup = 8, kMinGroup = 4;
-constexpr int kGroupPixels = 32 << 20;
+constexpr int kLarge_px = 4 << 20;
 
 std::size_t group_of(cv::Size picture) {
-  return static_cast<std::size_t>(
-      std::clamp(kGroupPixels / std::max(picture.area(), 1), kMinGroup, kMaxGroup));
+  const int threads = oneapi::tbb::this_task_arena::max_concurrency();
+  return static_cast<std::size_t>(picture.area() < kLarge_px ? kMaxGroup
+                                                             : std::clamp(threads, kMinGroup, kMaxGroup));
 }
 
 /// Output frames in the order in which they are shown.

@@ -90,7 +90,8 @@ class CopyMaps {
   ~CopyMaps();
 
   /// Makes what at() needs of output frames [first, first + count), and forgets what lies before. In ascending
-  /// order. All threads. Memory: of each copy one map in 16 frames that lie before its own, and `count` and 16.
+  /// order. All threads. Memory: of each copy one map in 16 frames that lie before its own, and `count` and 16;
+  /// 48 of the motion's.
   void prepare(int first, int count);
   /// The copies that show in a prepared frame. Safe from many threads.
   std::vector<CopyMap> at(int i) const;

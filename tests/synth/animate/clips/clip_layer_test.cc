@@ -170,33 +170,37 @@ TEST(ClipLayer, IsTheSameHoweverMuchIsKeptInMemoryAndForAnyNumberOfThreads) {
     }
 }
 
-TEST(ClipLayer, InnovationsComeWithTheLevelsOfTheDifferences) {
+TEST(ClipLayer, KnowsTheLevelsOfTheDifferences) {
   const FlowingClip clip{.size = {152, 112}, .frames = 75, .steady = {1, 0.5f}, .varying = 1.5f};
   const FlowingStore store({clip});
-  const Placement placement = some_placement(store.id(), 6, 2.3);
-  const auto levels_of = [&](ClipDetail detail, const std::vector<int>& kept) {
-    const bool half = detail == ClipDetail::kInnovation;
-    const Placement placed = half ? halved(placement) : placement;
-    ClipLayer layer(store.snapshot(), store.id(), clip.flow_step, placed, all_patches(placed),
-                    {.frames = kOutputs}, Resampling::kFlow, detail);
+  const Placement placement = some_placement(store.id(), 6, 2.3), half = halved(placement);
+  // A row for each output. The twin: means of whole differences, in the middles of their pieces.
+  cv::Mat differences(kOutputs, static_cast<int>(placement.patches.size()), CV_32F);
+  ClipLayer whole = layer_of(store, clip, placement, Resampling::kFlow);
+  whole.measure(all_outputs());
+  Blender blender(placement, kOutputs, {.low_band_reach = 0.2});
+  whole.add(all_outputs(), blender);
+  for (int i = 0; i < kOutputs; ++i) {
+    const cv::Mat level = blender.take_level(i);
+    for (int p = 0; p < differences.cols; ++p)
+      differences.at<float>(i, p) = static_cast<float>(
+          cv::mean(level(cv::Rect(placement.patches[p].piece + cv::Point(23, 23), cv::Size(2, 2))))[0]);
+  }
+  const auto levels_of = [&](const std::vector<int>& kept) {
+    ClipLayer layer(store.snapshot(), store.id(), clip.flow_step, half, all_patches(half),
+                    {.frames = kOutputs}, Resampling::kFlow, ClipDetail::kInnovation);
     layer.measure(kept);
-    Blender blender(placed, kOutputs, {.low_band_reach = 0.3});
-    layer.add(all_outputs(), blender);
-    cv::Mat levels;
-    for (int i = 0; i < kOutputs; ++i) {
-      cv::Mat level = blender.take_level(i), of_half = level;
-      if (!half) cv::resize(level, of_half, {}, 0.5, 0.5, cv::INTER_AREA);
-      levels.push_back(of_half);
-    }
+    cv::Mat levels(differences.size(), CV_32F);
+    layer.each_level([&](std::size_t patch, int output, float level) {
+      levels.at<float>(output, static_cast<int>(patch)) = level;
+    });
     return levels;
   };
-  const cv::Mat differences = levels_of(ClipDetail::kDifference, all_outputs());
-  const cv::Mat innovations = levels_of(ClipDetail::kInnovation, all_outputs());
   EXPECT_GT(cv::norm(differences, cv::NORM_INF), 0.02);
   // Of means of two by two, and no flow between frames.
-  EXPECT_LT(cv::norm(differences, innovations), 0.1 * cv::norm(differences));
+  EXPECT_LT(cv::norm(differences, levels_of(all_outputs())), 0.1 * cv::norm(differences));
   for (const std::vector<int>& kept : {std::vector<int>{}, std::vector<int>{0, 5, 11}})
-    EXPECT_EQ(cv::norm(levels_of(ClipDetail::kInnovation, kept), innovations, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(levels_of(kept), levels_of(all_outputs()), cv::NORM_INF), 0);
 }
 
 TEST(ClipLayer, EstimatesHowMuchItChangesFromOutputToOutput) {
