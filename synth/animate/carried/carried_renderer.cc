@@ -189,11 +189,11 @@ class CarriedRenderer final : public Renderer {
   /// begun  of what comes anew, 0..1.
   void add_innovations(int output, double begun, cv::Mat& luma) {
     const cv::Mat level = innovations_->level(output);
-    if (options_.level_sink) {
+    if (options_.level_sink.take) {
       cv::Mat lighter = cv::Mat::zeros(luma.size(), CV_32F);
-      innovations_->add_level(begun * innovations_->liveliest_level(output, options_.sunk_deviation),
+      innovations_->add_level(begun * innovations_->liveliest_level(output, options_.level_sink.deviation),
                               lighter);
-      options_.level_sink(output, lighter);
+      options_.level_sink.take(output, lighter);
     }
     innovations_->add(output, begun, limited(level, std::lerp(kMaxLevel, kMaxLayoutLevel, share_.mean())),
                       luma);
@@ -247,6 +247,7 @@ class CarriedRenderer final : public Renderer {
     if (options_.innovations) {
       innovations_.emplace(animation_, still_.luma, options_.resampling, *options_.innovations);
       innovations_->measure(motion);
+      if (options_.level_sink.take) innovations_->settle_levels();
       animation_.report.renewed = innovations_->overall();
     } else {
       // Of the clips' flow alone.
@@ -322,6 +323,7 @@ class CarriedRenderer final : public Renderer {
 
   void release_for_frames() {
     still_.release_for_frames(false);
+    options_.freed.release();
     if (!animation_.options.moving()) still_.target.release();
     still_.luma.release();
     carried_motion_.release();
@@ -353,6 +355,11 @@ class CarriedRenderer final : public Renderer {
       shares[level] *= options_.wide_layout;
     for (cv::Mat& share : shares)
       share = canvas.sampled(lattice.over_canvas(share, kShareReach), field_->step(), field_->size());
+    if (!options_.freed.empty()) {
+      cv::Mat kept;
+      cv::resize(1 - options_.freed, kept, field_->size(), 0, 0, cv::INTER_AREA);
+      for (cv::Mat& share : shares) cv::multiply(share, kept, share);
+    }
     return LayoutShare(std::move(shares), still_.alpha);
   }
 
@@ -560,7 +567,7 @@ class CarriedRenderer final : public Renderer {
   Animation& animation_;
   const StillPart& whole_;
   StillPart still_;  // what is carried of it: where water glitters, the ground of its sparkles
-  const CarriedOptions options_;
+  CarriedOptions options_;
   const int step_px_;                    // of the field and of copies' maps
   double half_life_s_ = 0;               // of carried detail
   double bodies_ = 0;                    // how far wide forms go whole, with their light and colour, 0..1

@@ -26,6 +26,13 @@ enum class Layout {
   kStands,    // its texture alone goes
 };
 
+/// Takes how much lighter than usual the liveliest patches are in an output frame, in the share that has begun: CV_32F
+/// of the picture's size, luma. finish() calls it, where anything comes from their pixels. From many threads.
+struct LevelSink {
+  std::function<void(int output, const cv::Mat& lighter)> take{};
+  double deviation = 0;  // luma: over time, of any place, at most
+};
+
 struct CarriedOptions {
   Resampling resampling = Resampling::kFlow;
   BaseImageOptions base{};  // of what lies below the copies
@@ -48,6 +55,9 @@ struct CarriedOptions {
   Layout layout = Layout::kMeasured;
   /// Of levels of 16 px and more, how much of what stands as measured is to stand, 0..1.
   double wide_layout = 1;
+  /// CV_32F of the picture's size, 0..1: by how much less of the layout (LayoutShare) stands than measured. Empty:
+  /// nowhere.
+  cv::Mat freed{};
   /// Of the light of sparkles on water (Glitter), how much is lit and goes out in its place, 0..1; 0: all goes along.
   double glitter = 1;
   /// Whether the mean light and colour of wide places stay the still's (StandingColour). Not of flames by themselves,
@@ -56,10 +66,7 @@ struct CarriedOptions {
   /// What comes from the patches' pixels. Nothing: the motion alone, and no frame of a clip is read. For a first look:
   /// a third of the time.
   std::optional<InnovationOptions> innovations = InnovationOptions{};
-  /// Takes how much lighter than usual the liveliest patches are in an output frame, in the share that has begun:
-  /// CV_32F of the picture's size, luma. finish() calls it, where anything comes from their pixels. From many threads.
-  std::function<void(int output, const cv::Mat& lighter)> level_sink{};
-  double sunk_deviation = 0.01;  // luma: over time, of any place, at most
+  LevelSink level_sink{};
 };
 
 /// Copies of the picture are carried along the motion of the assigned patches (CopyMaps, CarriedBase), their contrast

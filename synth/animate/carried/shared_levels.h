@@ -22,8 +22,9 @@ class SharedLevels {
   SharedLevels(const Placement& placement, int frames, double reach);
 
   /// How much lighter than on average a patch is in an output frame, luma. Each patch and frame once, patches from many
-  /// threads, then settle().
+  /// threads.
   void set(std::size_t patch, int output, float level);
+  /// After all of them, before liveliest(); at() needs none.
   void settle();
 
   /// The canvas (canvas_of), CV_32F. Safe from many threads.

@@ -12,6 +12,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "synth/animate/forms/flame_columns.h"
 #include "synth/animate/forms/form_look.h"
 #include "synth/animate/forms/handed_frame.h"
 #include "synth/animate/forms/light_level.h"
@@ -23,22 +24,19 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr double kReach = 0.08;       // sigma of the light around a flame, of the picture's longer side
-constexpr double kNearFlames = 0.08;  // of the same: so far from its flames light may come anew
-constexpr double kBelow = 0.012;      // of the same side: over which light ends below the bed
-constexpr double kWideLayout = 0.3;   // of flames (CarriedOptions::wide_layout)
-constexpr float kShines = 0.1f;       // levels above are flames
-constexpr float kOverAll = 0.02f;     // light: of a tongue that is all there where it has so much
+constexpr double kReach = 0.08;      // sigma of the light around a flame, of the picture's longer side
+constexpr double kWideLayout = 0.3;  // of flames (CarriedOptions::wide_layout)
+constexpr double kLooks = 0.75;      // of flames (CarriedBaseOptions::looks)
+constexpr float kOverAll = 0.02f;    // light: of a tongue that is all there where it has so much
 constexpr double kMostly =
     0.5;  // of all light, in tongues: what is beside them is what they light, a glass or a rim, and stands
+constexpr float kHole = 0.1f,
+                kRim = 0.9f;     // alpha: a hole in the matte has less somewhere; its rim ends there
 constexpr float kPalest = 1.1f;  // times the blue and the green of flames as bright
 constexpr float kFull = 0.15f;   // level of a ground that changes as the clips' does; a darker one less
 constexpr double kMostByDay = 0.006, kMostByNight = 0.05;  // luma: deviation of that change over time
 constexpr double kSoftSide =
     0.015;  // of the longer side: sigma over which that ends towards the matte's sides
-constexpr double kBedBeside = 0.02;  // of the longer side: sigma of columns that share their bed
-constexpr double kSmallest = 0.004;  // of the longer side: half of a flame's least width that has one
-constexpr float kLeastBed = 0.05f;   // of the columns around: where fewer have a bed there is none
 
 /// What is carried over a dark gap brought the gap's colour along, grey or blue: a flame is to be no paler than the
 /// picture's flames of its brightness are. usual  the colour of these.
@@ -48,58 +46,6 @@ cv::Vec3f no_paler(cv::Vec3f light, const cv::Vec3f& usual) {
   for (int k = 0; k < 2; ++k) light[k] = std::min(light[k], kPalest * usual[k] * whole / of_usual);
   light[2] = (whole - kBlueLuma * light[0] - kGreenLuma * light[1]) / kRedLuma;
   return light;
-}
-
-/// Flames that have a bed: specks have none. CV_8U.
-cv::Mat whole_flames(const cv::Mat& level) {
-  const int speck =
-      2 * std::max(1, static_cast<int>(std::lround(kSmallest * std::max(level.cols, level.rows)))) + 1;
-  cv::Mat out;
-  cv::morphologyEx(level > kShines, out, cv::MORPH_OPEN,
-                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {speck, speck}));
-  return out;
-}
-
-/// By column, the lowest row of flames (whole_flames), even over neighbouring columns; -1 where there are none.
-std::vector<float> beds_of(const cv::Mat& flames) {
-  const double side = std::max(flames.cols, flames.rows);
-  cv::Mat sums = cv::Mat::zeros(1, flames.cols, CV_32F), counts = sums.clone();
-  for (int x = 0; x < flames.cols; ++x)
-    for (int y = flames.rows - 1; y >= 0; --y)
-      if (flames.at<std::uint8_t>(y, x) != 0) {
-        sums.at<float>(x) = static_cast<float>(y);
-        counts.at<float>(x) = 1;
-        break;
-      }
-  const double even = std::max(1.0, kBedBeside * side);
-  cv::GaussianBlur(sums, sums, {0, 1}, even, 0, cv::BORDER_CONSTANT);
-  cv::GaussianBlur(counts, counts, {0, 1}, even, 0, cv::BORDER_CONSTANT);
-  std::vector<float> bed(flames.cols, -1);
-  for (int x = 0; x < flames.cols; ++x)
-    if (counts.at<float>(x) > kLeastBed) bed[x] = sums.at<float>(x) / counts.at<float>(x);
-  return bed;
-}
-
-/// 0..1: where light may be. Near the picture's flames, but not below them: what burns before a log or a rim has its
-/// foot there, and copies that begin farther down do not show through.
-cv::Mat reach_of(const cv::Mat& level) {
-  const double side = std::max(level.cols, level.rows), near = kNearFlames * side, below = kBelow * side;
-  cv::Mat from_any, from_whole, reach(level.size(), CV_32F);
-  cv::distanceTransform(level <= kShines, from_any, cv::DIST_L2, 3);
-  const cv::Mat flames = whole_flames(level);
-  cv::distanceTransform(~flames, from_whole, cv::DIST_L2, 3);
-  const std::vector<float> bed = beds_of(flames);
-  for (int x = 0; x < level.cols; ++x)
-    for (int y = 0; y < level.rows; ++y) {
-      // What shines below a bed may where it is, as faintly as it does, and not around it.
-      const float shines = level.at<float>(y, x), away = from_whole.at<float>(y, x);
-      const double far = from_any.at<float>(y, x) / near,
-                   under = bed[x] < 0         ? 0
-                           : shines > kShines ? std::min<double>(away / below, 1 - shines)
-                                              : std::min(y - bed[x], away) / below;
-      reach.at<float>(y, x) = static_cast<float>(std::clamp(std::min(2 - far, 1 - under), 0.0, 1.0));
-    }
-  return reach;
 }
 
 /// What shines, as a picture on black: CV_32FC3, code.
@@ -118,7 +64,7 @@ cv::Mat flames_on_black(const PartedStill& parted) {
 
 /// A fire's foot burns on while its flames go up: what comes from below the bed is as what burns above it, mirrored.
 cv::Mat fed_from_below(const cv::Mat& flames, const cv::Mat& level) {
-  const std::vector<float> bed = beds_of(whole_flames(level));
+  const std::vector<float> bed = beds_of(level);
   cv::Mat fed = flames.clone();
   for (int x = 0; x < level.cols; ++x)
     for (int y = static_cast<int>(bed[x]) + 1; bed[x] >= 0 && y < level.rows; ++y) {
@@ -136,12 +82,60 @@ cv::Mat deep_in(const cv::Mat& alpha) {
   return cv::max(2 * soft - 1, 0.0);
 }
 
+/// Holes in a matte, CV_8U: what it leaves out and has all around, with its soft rim. Rocks at the picture's sides are
+/// none.
+cv::Mat holes_of(const cv::Mat& alpha) {
+  cv::Mat parts, shape, centres;
+  const int count = cv::connectedComponentsWithStats(alpha < kRim, parts, shape, centres, 4, CV_32S);
+  std::vector<std::uint8_t> hole(count, 0);
+  for (int y = 0; y < alpha.rows; ++y)
+    for (int x = 0; x < alpha.cols; ++x)
+      if (alpha.at<float>(y, x) < kHole) hole[parts.at<int>(y, x)] = 255;
+  hole[0] = 0;
+  for (int i = 1; i < count; ++i)
+    if (shape.at<int>(i, cv::CC_STAT_LEFT) == 0 || shape.at<int>(i, cv::CC_STAT_TOP) == 0 ||
+        shape.at<int>(i, cv::CC_STAT_LEFT) + shape.at<int>(i, cv::CC_STAT_WIDTH) == alpha.cols ||
+        shape.at<int>(i, cv::CC_STAT_TOP) + shape.at<int>(i, cv::CC_STAT_HEIGHT) == alpha.rows)
+      hole[i] = 0;
+  cv::Mat out(alpha.size(), CV_8U);
+  for (int y = 0; y < alpha.rows; ++y)
+    for (int x = 0; x < alpha.cols; ++x) out.at<std::uint8_t>(y, x) = hole[parts.at<int>(y, x)];
+  return out;
+}
+
+/// What burns, as a picture on black. It goes on behind holes in the matte, or they would go up as dark ones.
+struct Burning {
+  cv::Mat flames, level;  // as flames_on_black, and PartedStill::level
+  cv::Mat holes, trust;   // of the matte, CV_8U and CV_32F; empty where there are none
+};
+
+Burning burning_of(const PartedStill& parted, const cv::Mat& alpha) {
+  Burning out{
+      .flames = flames_on_black(parted), .level = parted.level, .holes = holes_of(alpha), .trust = {}};
+  if (cv::countNonZero(out.holes) == 0) {
+    out.holes.release();
+    return out;
+  }
+  out.trust = alpha.clone();
+  out.trust.setTo(0, out.holes);
+  sampling::pull_push(out.flames, out.trust).copyTo(out.flames, out.holes);
+  out.level = parted.level.clone();
+  level_of(luma_of(light_of(out.flames))).copyTo(out.level, out.holes);
+  return out;
+}
+
 /// The light alone as a picture.
-StillPart light_as_still(const StillPart& still, const PartedStill& parted, double piece_scale) {
+StillPart light_as_still(const StillPart& still, const Burning& burning, double piece_scale) {
   StillPart light = still;
-  light.target = fed_from_below(flames_on_black(parted), parted.level);
+  light.target = fed_from_below(burning.flames, burning.level);
   light.luma = luma_of(light.target);
   light.behind.release();
+  if (!burning.holes.empty()) {
+    light.alpha = still.alpha.clone();
+    light.alpha.setTo(1, burning.holes);
+    for (cv::Mat* motion : {&light.asked_motion, &light.assigned_motion})
+      *motion = sampling::pull_push(*motion, burning.trust);
+  }
   light.colours = colours_of(light, piece_scale);
   return light;
 }
@@ -153,9 +147,12 @@ FrameOptions of_light(const FrameOptions& options) {
   return out;
 }
 
-/// A flame's level is what it does: where its clips' wide forms stand, that is the ground around them.
-CarriedOptions of_flames(CarriedOptions options) {
+/// A flame's level is what it does: where its clips' wide forms stand, that is the ground around them. Its foot keeps
+/// its place, its tip goes up into what is dark.
+CarriedOptions of_flames(CarriedOptions options, const cv::Mat& level) {
   options.wide_layout = kWideLayout;
+  options.freed = tips_of(level);
+  options.carry.looks = kLooks;
   options.holds_light = false;
   return options;
 }
@@ -252,7 +249,8 @@ class OwnFlames final : public Renderer {
         parted_(std::move(parted)),
         options_(options),
         tongues_(found_tongues()),
-        light_(light_as_still(still, parted_, animation.placement.piece_scale)),
+        burning_(burning_of(parted_, still.alpha)),
+        light_(light_as_still(still, burning_, animation.placement.piece_scale)),
         light_options_(of_light(animation.options)),
         inner_{.snapshot = animation.snapshot,
                .settings = animation.settings,
@@ -262,13 +260,14 @@ class OwnFlames final : public Renderer {
                .options = light_options_,
                .progress = animation.progress,
                .stop = animation.stop},
-        carried_(make_renderer(inner_, light_, with_level(of_flames(options.carried)))) {
+        carried_(make_renderer(inner_, light_, with_level(of_flames(options.carried, burning_.level)))) {
     AnimateReport& report = animation_.report;
     report.clips = inner_.report.clips;
     report.half_life_s = inner_.report.half_life_s;
     report.renewed = inner_.report.renewed;
     report.base_s += animation_.watch.lap();
-    own_ = parted_.light - light_of(flames_on_black(parted_));
+    own_ = parted_.light - light_of(burning_.flames);
+    burning_ = {};
     if (rest_stands_) own_.setTo(0);  // all of its light is shown
     inside_ = deep_in(still.alpha);
     reach_ = reach_of(parted_.level);
@@ -357,11 +356,13 @@ class OwnFlames final : public Renderer {
   }
 
   CarriedOptions with_level(CarriedOptions options) {
-    options.sunk_deviation = std::lerp(kMostByDay, kMostByNight, ground_.darkness() * ground_.darkness());
-    options.level_sink = [this](int output, const cv::Mat& lighter) {
-      const std::lock_guard lock(guard_);
-      lighter_[output] = lighter;
-    };
+    options.level_sink = {
+        .take =
+            [this](int output, const cv::Mat& lighter) {
+              const std::lock_guard lock(guard_);
+              lighter_[output] = lighter;
+            },
+        .deviation = std::lerp(kMostByDay, kMostByNight, ground_.darkness() * ground_.darkness())};
     return options;
   }
   cv::Mat taken_level(int output, cv::Size size) {
@@ -418,6 +419,7 @@ class OwnFlames final : public Renderer {
   std::optional<TongueCourse> course_;
   bool rest_stands_ = false;
   const std::vector<OwnTongue> tongues_;
+  Burning burning_;  // until frames are made
   StillPart light_;
   const FrameOptions light_options_;
   Animation inner_;
@@ -426,7 +428,7 @@ class OwnFlames final : public Renderer {
   std::unique_ptr<Renderer> carried_;
   cv::Mat own_;     // CV_32FC3: the light less what its picture on black shows
   cv::Mat inside_;  // CV_32F, 0..1: of the matte, how far from its sides
-  cv::Mat reach_;   // CV_32F, 0..1: near the picture's flames
+  cv::Mat reach_;   // CV_32F, 0..1: where light may be
 };
 
 }  // namespace

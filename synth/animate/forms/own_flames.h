@@ -24,10 +24,11 @@ struct OwnFlamesOptions {
 };
 
 /// The picture's light is carried as a picture of its own, on black, would be, whose wide forms stand less than the
-/// clips' do; below its bed lies its mirror image, so that a foot burns on. Logs, rims and embers do not move; they are
-/// lit by the flames (LitGround), and glow and glimmer place by place as the liveliest patches around do
-/// (SharedLevels::liveliest): their level varies over time by at most .05 in the dark and .006 by day, of a ground
-/// darker than .15 less.
+/// clips' do, and whose layout (LayoutShare) stands at its foot alone (tips_of): above it flames go up into the
+/// dark, also from behind holes in the matte. Below its bed lies its mirror image, so that a foot burns on. Logs,
+/// rims and embers do not move; they are lit by the flames (LitGround), and glow and glimmer place by place as the
+/// liveliest patches around do (SharedLevels::liveliest): their level varies over time by at most .05 in the dark
+/// and .006 by day, of a ground darker than .15 less.
 /// A flame of one tongue (tongues_of) is not carried but sways as a whole, as the flame of a clip did; of the first
 /// kCourseClips clips that which is a tongue itself most often, or the calmest; as restless as halfway_to_usual.
 /// Frame 0 is the picture.

@@ -317,6 +317,7 @@ CarriedBase::CarriedBase(const ContinuedFluid& fluid, const CarriedBaseOptions& 
     cv::resize(plane[k], place[k + 1], coarse, 0, 0, cv::INTER_AREA);
     cv::GaussianBlur(place[k + 1], place[k + 1], {}, options.look_px / step_, options.look_px / step_,
                      cv::BORDER_REPLICATE);
+    place[k + 1] *= options.looks;
   }
   cv::merge(place.data(), place.size(), places_.all);
   places_.picture = cv::Rect(picture_.tl() / step_, sampled(size_));

@@ -17,6 +17,8 @@ struct CarriedBaseOptions {
   double fraction = 1;
   /// Of the surroundings that give a place its look: sigma, px.
   double look_px = 20;
+  /// How much of a difference between looks counts against a copy, 0..1.
+  double looks = 1;
   /// Over which a copy fades towards the matte's edge, px.
   double edge_px = 32;
   /// px of the picture between samples of the copies' maps: 4, 8 or 16.

@@ -172,6 +172,27 @@ TEST_F(Animated, WideFormsGoWhereTheyAreNotToStand) {
   EXPECT_GT(changed(0), 1.25 * changed(1));
 }
 
+TEST_F(Animated, WhatIsFreedGoes) {
+  const auto made_with = [](const CarriedOptions& carried) {
+    AnimateOptions options;
+    options.frames = 20;
+    options.method = carried;
+    return animated(options).frames;
+  };
+  const cv::Rect standing(84, 20, 36, 60);
+  cv::Mat freed = cv::Mat::ones(picture().size(), CV_32F);
+  const Frames all = made_with({.freed = freed}), measured = made_with({});
+  expect_same(all, made_with({.layout = Layout::kGoes}));
+  EXPECT_FALSE(same(all.back()(standing), measured.back()(standing)));
+  // One half: what stands in the other does as before, but near it.
+  freed.rowRange(0, 50).setTo(0);
+  const Frames half = made_with({.freed = freed});
+  const auto differ = [&](const cv::Rect& where) {
+    return cv::norm(half.back()(where), measured.back()(where), cv::NORM_L1) / where.area();
+  };
+  EXPECT_GT(differ({84, 64, 36, 20}), 4 * differ({84, 8, 36, 20}));
+}
+
 TEST_P(Animated, FramesAreTheSameForAnyMemory) {
   AnimateOptions options = GetParam().options;
   options.memory_bytes = 1;

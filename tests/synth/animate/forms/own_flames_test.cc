@@ -121,6 +121,17 @@ TEST(OwnFlames, AFootBurnsOnWhileItsFlamesGoUp) {
   EXPECT_GT(darkest(made.frames, {104, 116, 12, 12}), 0.8);
 }
 
+TEST(OwnFlames, AHoleInTheMatteDoesNotGoUpAsADarkOne) {
+  const FlowingStore store({rising()});
+  const cv::Rect hole(106, 106, 10, 10), above(106, 70, 10, 10);
+  cv::Mat matte(kPicture.size, CV_8U, cv::Scalar(255));
+  const double whole = darkest(made_with(store, by_itself(24), matte).frames, above);
+  matte(hole) = 0;
+  const Made made = made_with(store, by_itself(24), matte);
+  EXPECT_GT(darkest(made.frames, above), 0.97 * whole);
+  for (const cv::Mat& frame : made.frames) EXPECT_EQ(apart(frame(hole), kPicture.draw()(hole)), 0);
+}
+
 TEST(OwnFlames, KeepTheirPlaceWhereTheirLayoutStands) {
   const FlowingStore store({rising()});
   const cv::Rect tip(90, 0, 40, 60);

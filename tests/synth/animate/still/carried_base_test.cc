@@ -80,6 +80,16 @@ TEST(CarriedBase, WithoutMotionIsThePicture) {
   for (const int i : {0, 3, 25}) EXPECT_LT(cv::norm(shown(base, i), picture(), cv::NORM_INF), 1e-4);
 }
 
+TEST(CarriedBase, LooksCountAsMuchAsTheyAreAsked) {
+  const ContinuedFluid fluid = continued(fluid_planes(bgr_of(picture()), picture(), whole()), whole(), {});
+  std::vector<cv::Mat> all, half;
+  cv::split(CarriedBase(fluid, {}).places().all, all);
+  cv::split(CarriedBase(fluid, {.looks = 0.5}).places().all, half);
+  EXPECT_EQ(cv::norm(half[0], all[0], cv::NORM_INF), 0);  // how deep a place lies
+  for (const int k : {1, 2, 3}) EXPECT_LT(cv::norm(half[k], 0.5 * all[k], cv::NORM_INF), 1e-6) << k;
+  EXPECT_GT(cv::norm(all[1], cv::NORM_INF), 0.1);
+}
+
 TEST(CarriedBase, MapsAreAsCoarseAsMotionIsTold) {
   EXPECT_EQ(step_of_maps(1), 4);
   EXPECT_EQ(step_of_maps(1.5), 8);
