@@ -65,16 +65,6 @@ std::vector<Case> cases() {
           with("PaperMoving", 0x976b5069a0f30feb, PaperOptions{}, false, outline::Outline::kMoving)};
 }
 
-/// Clip cells of which local contrast stays to this much, and goes along to that.
-vision::CellMap contrasts(float stays, float goes) {
-  vision::CellMap made{
-      .rows = 4, .columns = 5, .channels = vision::kLayoutChannels, .cell = 32, .values = {}};
-  for (int i = 0; i < made.rows * made.columns; ++i)
-    for (int channel = 0; channel < vision::kLayoutChannels; ++channel)
-      made.values.push_back(channel < vision::kLifeBands ? stays : goes);
-  return made;
-}
-
 /// A picture whose fluid two clips move; of the second the layout stands.
 class Animated : public testing::TestWithParam<Case> {
  protected:

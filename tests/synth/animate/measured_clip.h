@@ -19,6 +19,16 @@ inline FlowingClip measured(FlowingClip clip) {
   return clip;
 }
 
+/// Of every cell of a clip of FlowingClip's size, how much of its local contrast stays, and how much goes along.
+inline vision::CellMap contrasts(float stays, float goes) {
+  vision::CellMap made{
+      .rows = 4, .columns = 5, .channels = vision::kLayoutChannels, .cell = 32, .values = {}};
+  for (int i = 0; i < made.rows * made.columns; ++i)
+    for (int channel = 0; channel < vision::kLayoutChannels; ++channel)
+      made.values.push_back(channel < vision::kLifeBands ? stays : goes);
+  return made;
+}
+
 /// Of every cell of a clip of FlowingClip's size, how long each band lives.
 inline vision::CellMap living(float life_s) {
   vision::CellMap made{.rows = 4, .columns = 5, .channels = vision::kLifeChannels, .cell = 32, .values = {}};

@@ -142,6 +142,19 @@ TEST(OwnFlames, KeepTheirPlaceWhereTheirLayoutStands) {
   EXPECT_LT(changed(Layout::kStands), 0.5 * changed(Layout::kGoes));
 }
 
+TEST(OwnFlames, KeepTheirLayoutAtTheirFootAlone) {
+  FlowingClip clip = rising();
+  clip.contrast = contrasts(0.8f, 0.2f);
+  const FlowingStore store({clip});
+  const cv::Rect tip(90, 40, 40, 36), foot(84, 116, 52, 12);
+  const auto changed = [&](Layout layout, const cv::Rect& where) {
+    const Made made = made_with(store, with_layout(layout, 20));
+    return cv::norm(made.frames.back()(where), kPicture.draw()(where), cv::NORM_L1);
+  };
+  EXPECT_GT(changed(Layout::kMeasured, tip), 0.9 * changed(Layout::kGoes, tip));
+  EXPECT_GT(std::abs(changed(Layout::kMeasured, foot) / changed(Layout::kGoes, foot) - 1), 0.2);
+}
+
 TEST(OwnFlames, TurnNeitherGreyNorBlue) {
   for (const cv::Mat& frame : made_with(FlowingStore({rising()}), by_itself()).frames)
     for (int y = 0; y < frame.rows; ++y)
