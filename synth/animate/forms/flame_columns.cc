@@ -15,7 +15,7 @@ constexpr double kSmallest = 0.004;  // of the longer side: half of a flame's le
 constexpr double kBedBeside = 0.02;  // of the same: sigma of columns that share their bed
 constexpr float kLeastBed = 0.05f;   // of the columns around: where fewer have a bed there is none
 constexpr double kNearFlames =
-    0.1;  // of the same: so far from flames all light may be, and to twice that less
+    0.1;  // of the longer side: light begins to fade so far from flames, is gone twice as far
 constexpr double kBelowBed = 0.012;         // of the longer side: over which light ends below the bed
 constexpr double kTipBeside = 0.04;         // of the same: sigma of columns that share their tip
 constexpr double kGap = 0.02;               // of the same: dark that parts a flame from what burns below it
