@@ -322,10 +322,8 @@ class CarriedRenderer final : public Renderer {
   }
 
   void release_for_frames() {
-    still_.release_for_frames(false);
+    still_.release_for_frames(animation_.options.moving());
     options_.freed.release();
-    if (!animation_.options.moving()) still_.target.release();
-    still_.luma.release();
     carried_motion_.release();
     if (glitter_) glitter_->release_ground();
   }

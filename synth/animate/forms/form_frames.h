@@ -61,8 +61,7 @@ class FormFrames {
   cv::Mat thinned_light(int index) const;
   cv::Mat burning(int index) const;
 
-  const cv::Mat& picture_;
-  const cv::Mat& alpha_;
+  const cv::Mat picture_, alpha_;
   const PartedStill& still_;
   const std::vector<ChosenForm>& forms_;
   std::vector<std::unique_ptr<FormPlayer>>& players_;

@@ -49,7 +49,7 @@ class FormsRenderer final : public Renderer {
  public:
   FormsRenderer(Animation& animation, const StillPart& still, FormsPlan plan, const FormsOptions& options)
       : animation_(animation),
-        still_(still),
+        picture_(still.target),
         plan_(std::move(plan)),
         frames_(still.target, still.alpha, plan_.still, plan_.forms, plan_.players,
                 {.frames = animation.options.frames,
@@ -73,7 +73,7 @@ class FormsRenderer final : public Renderer {
   }
 
   int batch() const override { return std::min(kBatch, animation_.options.frames); }
-  cv::Mat motion(int) const override { return cv::Mat::zeros(still_.target.size(), CV_32FC2); }
+  cv::Mat motion(int) const override { return cv::Mat::zeros(picture_.size(), CV_32FC2); }
   cv::Mat step(int output) const override { return frames_.step(output); }
   void read(std::span<const int> outputs) override {
     const int beyond = animation_.options.motion_sink ? 1 : 0;  // leads to the frame after them
@@ -83,14 +83,14 @@ class FormsRenderer final : public Renderer {
   void prepare(std::span<const int>, std::span<const cv::Mat>, std::size_t) override {}
 
   cv::Mat finish(int output, const cv::Mat& matte) override {
-    return handed_on(frames_.frame(output), still_.target, matte, animation_.options.form);
+    return handed_on(frames_.frame(output), picture_, matte, animation_.options.form);
   }
 
  private:
   static constexpr int kBatch = 16;  // frames: a slab of a clip's tiles
 
   Animation& animation_;
-  const StillPart& still_;
+  const cv::Mat picture_;  // CV_32FC3
   FormsPlan plan_;
   FormFrames frames_;
 };

@@ -242,7 +242,7 @@ class OwnFlames final : public Renderer {
  public:
   OwnFlames(Animation& animation, const StillPart& still, PartedStill parted, const OwnFlamesOptions& options)
       : animation_(animation),
-        still_(still),
+        picture_(still.target),
         colours_(parted.light, parted.level),
         ground_(parted, parted.level, kReach * std::max(still.target.cols, still.target.rows),
                 options.lighting),
@@ -305,7 +305,7 @@ class OwnFlames final : public Renderer {
     cv::Mat frame(level.size(), CV_32FC3);
     for (int y = 0; y < frame.rows; ++y)
       for (int x = 0; x < frame.cols; ++x) {
-        const cv::Vec3f picture = still_.target.at<cv::Vec3f>(y, x);
+        const cv::Vec3f picture = picture_.at<cv::Vec3f>(y, x);
         const cv::Vec4f tongue = swaying.empty() ? cv::Vec4f() : swaying.at<cv::Vec4f>(y, x);
         // A tongue sways over what lies beside the matte, too.
         const float share = std::max(matte.at<float>(y, x), std::min(1.0f, tongue[3] / kOverAll));
@@ -323,7 +323,7 @@ class OwnFlames final : public Renderer {
           to[k] += share * (code - to[k]);
         }
       }
-    return handed_on(frame, still_.target, matte, animation_.options.form);
+    return handed_on(frame, picture_, matte, animation_.options.form);
   }
 
  private:
@@ -411,7 +411,7 @@ class OwnFlames final : public Renderer {
   }
 
   Animation& animation_;
-  const StillPart& still_;
+  const cv::Mat picture_;  // CV_32FC3
   LightColours colours_;
   LitGround ground_;
   PartedStill parted_;  // less its tongues

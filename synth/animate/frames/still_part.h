@@ -23,11 +23,14 @@ struct StillPart {
       asked_motion;  // CV_32FC2, px/s: the patches' own, and as it is asked (apply_guide)
   ColourModel colours;
 
-  /// Once a renderer has been made: what frames do not need, 32 bytes a pixel, and 8 more unless an outline moves.
+  /// Once a renderer has been made: what frames do not need, 36 bytes a pixel, and 20 more unless an outline moves.
   void release_for_frames(bool moving) {
     colours = {};
     assigned_motion.release();
-    if (!moving) asked_motion.release();
+    luma.release();
+    if (moving) return;
+    target.release();
+    asked_motion.release();
   }
 };
 /// Throws   as behind_fluid, before any other work.

@@ -31,7 +31,8 @@ class PaperRenderer final : public Renderer {
  public:
   PaperRenderer(Animation& animation, const StillPart& still, const PaperOptions& options)
       : animation_(animation),
-        still_(still),
+        luma_(still.luma),
+        alpha_(still.alpha),
         matching_(options.matching),
         appearance_(enlarged(options.appearance, animation.placement.piece_scale)),
         canvas_(animation.placement, animation.picture.size()),
@@ -96,7 +97,7 @@ class PaperRenderer final : public Renderer {
   }
 
   AppearanceModel model_of(std::span<const cv::Mat> frames) const {
-    return AppearanceModel(still_.luma, still_.alpha, frames, appearance_);
+    return AppearanceModel(luma_, alpha_, frames, appearance_);
   }
 
   /// One model of contrast and levels for the whole animation.
@@ -115,7 +116,7 @@ class PaperRenderer final : public Renderer {
   }
 
   Animation& animation_;
-  const StillPart& still_;
+  const cv::Mat luma_, alpha_;  // of the still
   const AppearanceMatching matching_;
   const AppearanceOptions appearance_;
   const PiecesCanvas canvas_;
