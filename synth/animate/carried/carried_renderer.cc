@@ -54,14 +54,15 @@ constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
 // they fade.
 constexpr double kSparkleLife_s = 0.2, kSparkleTravel_px = 0.8, kSparkleSpread_px = 30, kSparklePatch = 2,
                  kSparkleEdge_px = 8;
-constexpr const char* kWater = "water";  // the class of fluid that falls, glitters and ripples
+// The classes of fluid that falls, glitters and ripples, and that leaps.
+constexpr const char *kWater = "water", *kFire = "fire";
 // Lives in the clips are those of what the flow follows, less noise. On water much is glint or ripple that goes its own
 // way and comes anew sooner: there copies live for this share of them, but not for less than this unless the clips do,
 // or a sea turns to crumbs (docs/measurements/quality.md).
 constexpr double kFollowed = 0.4, kLeastFollowed_s = 0.25;
 // How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
-// clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From kWhole* on they go without shear, from
-// kBodies* on with their light and colour.
+// clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From kWhole* on all goes along, from kBodies* on
+// with its light and colour.
 constexpr double kWholeFrom_s = 0.7, kWholeSure_s = 1, kBodiesFrom_s = 0.9, kBodiesSure_s = 1.3;
 constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to another copy as a whole
 constexpr double kShareReach = 1;   // pieces: neighbours stand alike
@@ -140,8 +141,7 @@ class CarriedRenderer final : public Renderer {
         options_(options),
         step_px_(step_of_maps(animation.placement.piece_scale)) {
     if (places_class(animation_, kWater)) {
-      still_.asked_motion = falling_freely(still_.asked_motion, animation_.options.guide, whole_.luma,
-                                           whole_.alpha, mean_speed(animation_.placement));
+      still_.asked_motion = fallen(still_.asked_motion);
       part_glitter();
     }
     measure_life();
@@ -207,6 +207,12 @@ class CarriedRenderer final : public Renderer {
     const CarriedFrame* colour() const { return frame ? &*frame : nullptr; }
   };
 
+  /// Of water.
+  cv::Mat fallen(const cv::Mat& asked) const {
+    return falling_freely(asked, animation_.options.guide, whole_.luma, whole_.alpha,
+                          mean_speed(animation_.placement));
+  }
+
   /// What goes is the water below its sparkles.
   void part_glitter() {
     if (options_.glitter <= 0 || animation_.options.moving()) return;
@@ -225,9 +231,12 @@ class CarriedRenderer final : public Renderer {
     const double goes = 1 - measured_shares_.back(), going_s = goes * goes * lives.forms_s;
     bodies_ = smoothstep(kBodiesFrom_s, kBodiesSure_s, going_s);
     const double whole = smoothstep(kWholeFrom_s, kWholeSure_s, going_s);
-    carried_motion_ = whole > 0 ? apply_guide(evened_motion(still_.assigned_motion, still_.alpha, whole),
-                                              animation_.options.guide, still_.alpha)
-                                : still_.asked_motion;
+    carried_motion_ = still_.asked_motion;
+    if (!places_class(animation_, kFire)) {  // tongues of flames go apart
+      carried_motion_ = apply_guide(evened_motion(still_.assigned_motion, still_.alpha, whole),
+                                    animation_.options.guide, still_.alpha);
+      if (places_class(animation_, kWater)) carried_motion_ = fallen(carried_motion_);
+    }
     half_life_s_ = options_.half_life_s;
     if (half_life_s_ == 0) {
       const double faster =
@@ -368,8 +377,11 @@ class CarriedRenderer final : public Renderer {
     const double scale = animation_.placement.piece_scale;
     Exposure exposure = expose(animation_, still_, options_.base);
     exposure_ = exposure.luma;
-    // What goes whole comes in and goes out whole.
-    const Sides sides = bodies_ > 0 ? crossed_sides(carried_motion_, still_.alpha, step_px_) : Sides{};
+    // What goes whole comes in and goes out whole, as clouds and smoke do. On water a mirror is hardly seen, and
+    // costs less.
+    const bool in_air = !places_class(animation_, kWater) && !places_class(animation_, kFire);
+    const Sides sides =
+        bodies_ > 0 || in_air ? crossed_sides(carried_motion_, still_.alpha, step_px_) : Sides{};
     base_.emplace(continued(planes, still_.alpha, sides), enlarged(options_.carry, scale));
     // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
     const double wander_s =

@@ -18,8 +18,11 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kEvened = 0.01;  // sigma of asked directions, of the picture's diagonal
-constexpr double kWhole = 0.15;   // sigma of the motion of what goes whole, of the longer side
-constexpr int kWholeStep = 8;     // px: it is evened as coarsely
+// Of evened motion: sigma of what lies around and of what is a place's own, of the longer side; px that it is evened
+// by; of the mean speed around, that of what rests and of what goes.
+constexpr double kAround = 0.15, kOfAPlace = 0.025;
+constexpr int kEvenStep = 8;
+constexpr float kRests = 0.3f, kGoes = 0.8f;
 
 // Of water that falls freely. Lengths are those of a picture of 640 px.
 constexpr double kMeantFor_px = 640, kStreak_px = 1.5, kFallEdge_px = 6;
@@ -230,27 +233,35 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
   return field;
 }
 
-cv::Mat evened_motion(const cv::Mat& motion, const cv::Mat& matte, double share) {
+cv::Mat evened_motion(const cv::Mat& motion, const cv::Mat& matte, double whole) {
   cv::Mat sums(motion.size(), CV_32FC4);  // of the fluid: motion, speed, and how much it is
   for (int y = 0; y < motion.rows; ++y)
     for (int x = 0; x < motion.cols; ++x) {
       const cv::Vec2f& v = motion.at<cv::Vec2f>(y, x);
       sums.at<cv::Vec4f>(y, x) = matte.at<float>(y, x) * cv::Vec4f(v[0], v[1], std::hypot(v[0], v[1]), 1);
     }
-  const double sigma = kWhole * std::max(motion.cols, motion.rows) / kWholeStep;
-  const auto coarse = [](int n) { return (n + kWholeStep - 1) / kWholeStep; };
+  const auto coarse = [](int n) { return (n + kEvenStep - 1) / kEvenStep; };
   cv::resize(sums, sums, {coarse(motion.cols), coarse(motion.rows)}, 0, 0, cv::INTER_AREA);
-  cv::GaussianBlur(sums, sums, {}, sigma, sigma, cv::BORDER_CONSTANT);
-  cv::resize(sums, sums, motion.size(), 0, 0, cv::INTER_LINEAR);
+  const auto means = [&](double share) {
+    const double sigma = share * std::max(motion.cols, motion.rows) / kEvenStep;
+    cv::Mat out;
+    cv::GaussianBlur(sums, out, {}, sigma, sigma, cv::BORDER_CONSTANT);
+    cv::resize(out, out, motion.size(), 0, 0, cv::INTER_LINEAR);
+    return out;
+  };
+  const cv::Mat around = means(kAround), near = means(kOfAPlace);
 
   cv::Mat out = motion.clone();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
-      const cv::Vec4f& sum = sums.at<cv::Vec4f>(y, x);
+      const cv::Vec4f &sum = around.at<cv::Vec4f>(y, x), &own = near.at<cv::Vec4f>(y, x);
       const float length = std::hypot(sum[0], sum[1]);
       if (length <= 0 || sum[3] <= 0) continue;
-      const cv::Vec2f whole = cv::Vec2f(sum[0], sum[1]) * (sum[2] / sum[3] / length);
-      out.at<cv::Vec2f>(y, x) += static_cast<float>(share) * (whole - out.at<cv::Vec2f>(y, x));
+      const float speed = sum[2] / sum[3];
+      const float goes = own[3] > 0 ? smoothstep(kRests, kGoes, own[2] / own[3] / speed) : 1.0f;
+      cv::Vec2f& v = out.at<cv::Vec2f>(y, x);
+      v += std::lerp(goes, 1.0f, static_cast<float>(whole)) *
+           (cv::Vec2f(sum[0], sum[1]) * (speed / length) - v);
     }
   return out;
 }

@@ -15,14 +15,16 @@ namespace freshet::synth::animate {
 cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
                      const Placement& placement, cv::Size picture);
 
-/// A field that shears nothing that goes as a whole: neighbouring patches of clips that went at other speeds, or
-/// elsewhere, would comb a cloud to hair before it is gone.
+/// A field that shears little: neighbouring patches of clips that went at other speeds, or elsewhere, would comb a
+/// cloud to hair, and wind up the lights in a river. Way and speed become means over the fluid around, of sigma .15 of
+/// the longer side; but what rests beside that (by less than .3 of the mean speed, wholly; to .8, in part) keeps its
+/// own.
 /// motion    CV_32FC2, px/s.
 /// matte     CV_32F, 0..1, of that size.
-/// share     0: the motion as it is; 1: way and speed are means over the fluid around, of sigma .15 of the longer side.
+/// whole     0..1: how far what rests goes along with the rest.
 /// Returns   CV_32FC2, px/s; beside the fluid evened too.
 /// Cost      some passes over the field, one thread.
-cv::Mat evened_motion(const cv::Mat& motion, const cv::Mat& matte, double share);
+cv::Mat evened_motion(const cv::Mat& motion, const cv::Mat& matte, double whole);
 
 /// The fastest that an animation is carried where a speed is asked, px/s: .8 of the picture's longer side a second. In
 /// 39 clips the fastest fluid is a fountain's: 99 % of its places go by less than .77 on the average, where a fall's go
