@@ -377,8 +377,8 @@ class CarriedRenderer final : public Renderer {
     const double scale = animation_.placement.piece_scale;
     Exposure exposure = expose(animation_, still_, options_.base);
     exposure_ = exposure.luma;
-    // What goes whole comes in and goes out whole, as clouds and smoke do. On water a mirror is hardly seen, and
-    // costs less.
+    // What goes whole comes in and goes out whole, as clouds and smoke do (all that neither water nor fire has the most
+    // of). On water a mirror is hardly seen, and costs less.
     const bool in_air = !places_class(animation_, kWater) && !places_class(animation_, kFire);
     const Sides sides =
         bodies_ > 0 || in_air ? crossed_sides(carried_motion_, still_.alpha, step_px_) : Sides{};
@@ -581,7 +581,7 @@ class CarriedRenderer final : public Renderer {
   const int step_px_;                    // of the field and of copies' maps
   double half_life_s_ = 0;               // of carried detail
   double bodies_ = 0;                    // how far wide forms go whole, with their light and colour, 0..1
-  cv::Mat carried_motion_;               // as asked; of bodies evened
+  cv::Mat carried_motion_;               // as asked; of all but fire evened
   std::vector<double> measured_shares_;  // by level, and of the low-pass rest: how much stands in the patches
   std::optional<Innovations> innovations_;
   std::shared_ptr<const MotionSequence> sequence_;

@@ -17,8 +17,8 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
 
 /// A field that shears little: neighbouring patches of clips that went at other speeds, or elsewhere, would comb a
 /// cloud to hair, and wind up the lights in a river. Way and speed become means over the fluid around, of sigma .15 of
-/// the longer side; but what rests beside that (by less than .3 of the mean speed, wholly; to .8, in part) keeps its
-/// own.
+/// the longer side; but what rests beside that (over some .05, by less than .3 of the mean speed, wholly; to .8, in
+/// part) keeps its own. It counts in the mean all the same: a narrow stream through still water loses speed.
 /// motion    CV_32FC2, px/s.
 /// matte     CV_32F, 0..1, of that size.
 /// whole     0..1: how far what rests goes along with the rest.

@@ -56,7 +56,7 @@ TEST(EvenedMotion, WaysMeetBetweenAtASpeedBetween) {
   cv::Mat motion = everywhere({0, 30});
   motion.rowRange(80, 240).setTo(cv::Scalar(40, 0));
   // The mean of the vectors would be slower: 25 px/s.
-  const cv::Vec2f& v = evened_motion(motion, all(), 1).at<cv::Vec2f>(80, 160);
+  const cv::Vec2f v = evened_motion(motion, all(), 1).at<cv::Vec2f>(80, 160);
   EXPECT_GT(v[0], 5);
   EXPECT_GT(v[1], 5);
   EXPECT_GT(cv::norm(v), 30);
