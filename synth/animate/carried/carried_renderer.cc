@@ -54,8 +54,6 @@ constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
 // they fade.
 constexpr double kSparkleLife_s = 0.2, kSparkleTravel_px = 0.8, kSparkleSpread_px = 30, kSparklePatch = 2,
                  kSparkleEdge_px = 8;
-// The classes of fluid that falls, glitters and ripples, and that leaps.
-constexpr const char *kWater = "water", *kFire = "fire";
 // Lives in the clips are those of what the flow follows, less noise. On water much is glint or ripple that goes its own
 // way and comes anew sooner: there copies live for this share of them, but not for less than this unless the clips do,
 // or a sea turns to crumbs (docs/measurements/quality.md).

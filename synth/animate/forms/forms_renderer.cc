@@ -13,8 +13,6 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr const char* kFire = "fire";
-
 bool is_fire(const store::Snapshot& snapshot, store::ClipId clip) {
   return snapshot.clip(clip).class_name == kFire;
 }
