@@ -270,7 +270,7 @@ const std::vector<Row>& rows() {
       {"synth matte", "--box 24,14,44,44"},
       {"synth matte", "--auto f.store"},
       {"synth matte", "--class one", "--auto f.store"},
-      {"synth matte", "--exclude clip1.mkv", "--auto f.store"},
+      {"synth matte", "--exclude clip1.mkv clip2.mkv", "--auto f.store"},
       {"synth matte", "--edge guided"},
       {"synth matte", "--edge-width 20", "--edge guided"},
       {"synth matte", "--iterations 0",

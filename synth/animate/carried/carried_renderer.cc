@@ -138,10 +138,7 @@ class CarriedRenderer final : public Renderer {
         still_(still),
         options_(options),
         step_px_(step_of_maps(animation.placement.piece_scale)) {
-    if (places_class(animation_, kWater)) {
-      still_.asked_motion = fallen(still_.asked_motion);
-      part_glitter();
-    }
+    if (places_class(animation_, kWater)) part_glitter();
     measure_life();
     measure_clips();
     animation.tell("base", 0, 0);
@@ -229,16 +226,16 @@ class CarriedRenderer final : public Renderer {
     const double goes = 1 - measured_shares_.back(), going_s = goes * goes * lives.forms_s;
     bodies_ = smoothstep(kBodiesFrom_s, kBodiesSure_s, going_s);
     const double whole = smoothstep(kWholeFrom_s, kWholeSure_s, going_s);
-    carried_motion_ = still_.asked_motion;
+    cv::Mat goes_at = still_.assigned_motion;
     if (!places_class(animation_, kFire)) {  // tongues of flames go apart
-      carried_motion_ = apply_guide(evened_motion(still_.assigned_motion, still_.alpha, whole),
-                                    animation_.options.guide, still_.alpha);
-      if (places_class(animation_, kWater)) carried_motion_ = fallen(carried_motion_);
+      goes_at = evened_motion(still_.assigned_motion, still_.alpha, whole);
+      still_.asked_motion = apply_guide(goes_at, animation_.options.guide, still_.alpha);
     }
+    if (places_class(animation_, kWater)) still_.asked_motion = fallen(still_.asked_motion);
     half_life_s_ = options_.half_life_s;
     if (half_life_s_ == 0) {
       const double faster =
-          std::pow(pace(still_.assigned_motion, carried_motion_, animation_.matte), options_.life_pace);
+          std::pow(pace(goes_at, still_.asked_motion, animation_.matte), options_.life_pace);
       double life_s = lives.overall_s / faster;
       if (places_class(animation_, kWater))
         life_s = std::max(kFollowed * life_s, std::min(life_s, kLeastFollowed_s));
@@ -271,7 +268,7 @@ class CarriedRenderer final : public Renderer {
     const FrameOptions& frames = animation_.options;
     CarryingOptions carrying = options_.carrying;
     if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0;
-    field_ = std::make_shared<const CarryingField>(sequence_, carried_motion_, frames.frames, frames.fps,
+    field_ = std::make_shared<const CarryingField>(sequence_, still_.asked_motion, frames.frames, frames.fps,
                                                    step_px_, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
     lay_other_way(carrying);
@@ -319,7 +316,7 @@ class CarriedRenderer final : public Renderer {
   void lay_other_way(const CarryingOptions& carrying) {
     const FrameOptions& frames = animation_.options;
     if (!places_class(animation_, kWater) || frames.moving()) return;
-    const ComingDown down = coming_down(carried_motion_, frames.guide, whole_.luma, whole_.alpha);
+    const ComingDown down = coming_down(still_.asked_motion, frames.guide, whole_.luma, whole_.alpha);
     if (down.share.empty()) return;
     other_way_.emplace();
     const auto field = std::make_shared<const CarryingField>(sequence_, down.motion, frames.frames,
@@ -331,7 +328,7 @@ class CarriedRenderer final : public Renderer {
   void release_for_frames() {
     still_.release_for_frames(animation_.options.moving());
     options_.freed.release();
-    carried_motion_.release();
+    still_.asked_motion.release();
     if (glitter_) glitter_->release_ground();
   }
 
@@ -379,7 +376,7 @@ class CarriedRenderer final : public Renderer {
     // of). On water a mirror is hardly seen, and costs less.
     const bool in_air = !places_class(animation_, kWater) && !places_class(animation_, kFire);
     const Sides sides =
-        bodies_ > 0 || in_air ? crossed_sides(carried_motion_, still_.alpha, step_px_) : Sides{};
+        bodies_ > 0 || in_air ? crossed_sides(still_.asked_motion, still_.alpha, step_px_) : Sides{};
     base_.emplace(continued(planes, still_.alpha, sides), enlarged(options_.carry, scale));
     // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
     const double wander_s =
@@ -399,7 +396,7 @@ class CarriedRenderer final : public Renderer {
     // Detail that is carried far is unlike itself before it arrives, whatever speed is asked.
     const double usual_per_s = speed_per_frame(*field_, fluid_, kUsual) * frames.fps;
     const CopyOptions copies = copy_options(std::min(half_life_s_, kTextureTravel_px * scale / usual_per_s));
-    const LayoutMotion motion{.direction = directions(carried_motion_, field_->size()),
+    const LayoutMotion motion{.direction = directions(still_.asked_motion, field_->size()),
                               .travel = field_->activity() * (kShownIntervals * copies.interval),
                               .step = step_px_};
     std::vector<double> shares = measured_shares_;
@@ -579,7 +576,6 @@ class CarriedRenderer final : public Renderer {
   const int step_px_;                    // of the field and of copies' maps
   double half_life_s_ = 0;               // of carried detail
   double bodies_ = 0;                    // how far wide forms go whole, with their light and colour, 0..1
-  cv::Mat carried_motion_;               // as asked; of all but fire evened
   std::vector<double> measured_shares_;  // by level, and of the low-pass rest: how much stands in the patches
   std::optional<Innovations> innovations_;
   std::shared_ptr<const MotionSequence> sequence_;

@@ -44,7 +44,7 @@ struct FrameOptions {
   /// batch some 280 bytes per pixel are needed (0.26 GB at 1280 x 720, 2.3 GB at 3840 x 2160). When all
   /// frames fit, each clip is read once, else about three times.
   std::size_t memory_bytes = std::size_t{2000} << 20;
-  /// What was asked of the motion: the picture is blurred and carried so (apply_guide).
+  /// What was asked of the motion (apply_guide).
   query::MotionGuide guide{};
   synth::outline::MovingOutlineOptions outline{};
   /// Of the snapshot, decoded for earlier animations; null: none are kept. It changes the time taken, and nothing else.

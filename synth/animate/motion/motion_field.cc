@@ -23,6 +23,7 @@ constexpr double kEvened = 0.01;  // sigma of asked directions, of the picture's
 constexpr double kAround = 0.15, kOfAPlace = 0.025;
 constexpr int kEvenStep = 8;
 constexpr float kRests = 0.3f, kGoes = 0.8f;
+constexpr float kOppose = 0.1f, kAgree = 0.3f;  // the mean motion's length, of the mean speed
 
 // Of water that falls freely. Lengths are those of a picture of 640 px.
 constexpr double kMeantFor_px = 640, kStreak_px = 1.5, kFallEdge_px = 6;
@@ -234,34 +235,54 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
 }
 
 cv::Mat evened_motion(const cv::Mat& motion, const cv::Mat& matte, double whole) {
-  cv::Mat sums(motion.size(), CV_32FC4);  // of the fluid: motion, speed, and how much it is
+  cv::Mat fluid(motion.size(), CV_32FC4);  // motion, speed, and how much fluid it is
   for (int y = 0; y < motion.rows; ++y)
     for (int x = 0; x < motion.cols; ++x) {
       const cv::Vec2f& v = motion.at<cv::Vec2f>(y, x);
-      sums.at<cv::Vec4f>(y, x) = matte.at<float>(y, x) * cv::Vec4f(v[0], v[1], std::hypot(v[0], v[1]), 1);
+      fluid.at<cv::Vec4f>(y, x) = matte.at<float>(y, x) * cv::Vec4f(v[0], v[1], std::hypot(v[0], v[1]), 1);
     }
   const auto coarse = [](int n) { return (n + kEvenStep - 1) / kEvenStep; };
-  cv::resize(sums, sums, {coarse(motion.cols), coarse(motion.rows)}, 0, 0, cv::INTER_AREA);
-  const auto means = [&](double share) {
+  cv::resize(fluid, fluid, {coarse(motion.cols), coarse(motion.rows)}, 0, 0, cv::INTER_AREA);
+  const auto sums = [&](const cv::Mat& of, double share) {
     const double sigma = share * std::max(motion.cols, motion.rows) / kEvenStep;
     cv::Mat out;
-    cv::GaussianBlur(sums, out, {}, sigma, sigma, cv::BORDER_CONSTANT);
-    cv::resize(out, out, motion.size(), 0, 0, cv::INTER_LINEAR);
+    cv::GaussianBlur(of, out, {}, sigma, sigma, cv::BORDER_CONSTANT);
     return out;
   };
-  const cv::Mat around = means(kAround), near = means(kOfAPlace);
 
+  // What rests is told from all that is around it, then from what goes around it, and counts no more.
+  const cv::Mat near = sums(fluid, kOfAPlace);
+  cv::Mat around = sums(fluid, kAround), counted(fluid.size(), fluid.type()), follows(fluid.size(), CV_32F);
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int y = 0; y < fluid.rows; ++y)
+      for (int x = 0; x < fluid.cols; ++x) {
+        const cv::Vec4f &sum = around.at<cv::Vec4f>(y, x), &own = near.at<cv::Vec4f>(y, x);
+        const bool judged = sum[2] > 0 && own[3] > 0;
+        const float goes = judged ? smoothstep(kRests, kGoes, own[2] * sum[3] / (own[3] * sum[2])) : 1.0f;
+        follows.at<float>(y, x) = std::lerp(goes, 1.0f, static_cast<float>(whole));
+        counted.at<cv::Vec4f>(y, x) = follows.at<float>(y, x) * fluid.at<cv::Vec4f>(y, x);
+      }
+    around = sums(counted, kAround);
+  }
+
+  // The mean's way, of a length 0..1 by how far it is agreed on; its speed; how far it is followed.
+  cv::Mat mean(fluid.size(), CV_32FC4, cv::Scalar::all(0));
+  for (int y = 0; y < fluid.rows; ++y)
+    for (int x = 0; x < fluid.cols; ++x) {
+      const cv::Vec4f& sum = around.at<cv::Vec4f>(y, x);
+      const float length = std::hypot(sum[0], sum[1]);
+      if (length <= 0 || sum[3] <= 0) continue;
+      const float agreed = smoothstep(kOppose, kAgree, length / sum[2]) / length;
+      mean.at<cv::Vec4f>(y, x) = {agreed * sum[0], agreed * sum[1], sum[2] / sum[3], follows.at<float>(y, x)};
+    }
+  cv::resize(mean, mean, motion.size(), 0, 0, cv::INTER_LINEAR);
   cv::Mat out = motion.clone();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
-      const cv::Vec4f &sum = around.at<cv::Vec4f>(y, x), &own = near.at<cv::Vec4f>(y, x);
-      const float length = std::hypot(sum[0], sum[1]);
-      if (length <= 0 || sum[3] <= 0) continue;
-      const float speed = sum[2] / sum[3];
-      const float goes = own[3] > 0 ? smoothstep(kRests, kGoes, own[2] / own[3] / speed) : 1.0f;
+      const cv::Vec4f& to = mean.at<cv::Vec4f>(y, x);
       cv::Vec2f& v = out.at<cv::Vec2f>(y, x);
-      v += std::lerp(goes, 1.0f, static_cast<float>(whole)) *
-           (cv::Vec2f(sum[0], sum[1]) * (speed / length) - v);
+      const float own = std::hypot(v[0], v[1]), keeps = own > 0 ? (1 - std::hypot(to[0], to[1])) / own : 0.0f;
+      v += to[3] * (to[2] * (cv::Vec2f(to[0], to[1]) + keeps * v) - v);
     }
   return out;
 }

@@ -15,7 +15,7 @@ namespace freshet::synth::animate {
 /// in the order in which it is read.
 class FrameFinisher {
  public:
-  /// model        of the picture (fit_colour).
+  /// model        of the picture (fit_colour). It keeps luma, as own_colour does: green follows from blue and red.
   /// curve        how what is carried changes its colour where its luminance is another now.
   /// own_colour   CV_32FC3: what colour does beside the model.
   /// still        CV_32FC3, 0..1: what shows where the fluid does not; unchanged where a matte is 0.
@@ -35,8 +35,13 @@ class FrameFinisher {
   ColourCurve curve_;
   float brightest_ = 1;
   cv::Mat ground_;  // CV_8UC3: still
-  // CV_32F, by channel: colour = luma + slope * luma + rest; still in grey levels.
-  std::array<cv::Mat, 3> slope_, rest_, still_;
+  struct Chroma {
+    cv::Mat slope, rest;  // CV_32F: colour = luma + slope * luma + rest
+  };
+  Chroma blue_, red_;
+  std::array<cv::Mat, 3> still_;  // CV_16U, by channel, 1 / kOfLevel grey levels
+
+  struct Row;
 };
 
 }  // namespace freshet::synth::animate

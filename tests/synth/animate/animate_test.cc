@@ -51,18 +51,18 @@ std::vector<Case> cases() {
   goes.layout = Layout::kGoes;
   const PaperOptions by_frame{.matching = AppearanceMatching::kFrame},
       nearest{.resampling = Resampling::kNearest};
-  return {with("Carried", 0x6f196f7d662831a4, CarriedOptions{}),
-          with("CarriedLoop", 0x2d8f44960af2b639, CarriedOptions{}, true),
-          with("CarriedMoving", 0xeb5c49add754b5f4, CarriedOptions{}, false, outline::Outline::kMoving),
-          with("Goes", 0x885e496b0ee2295b, goes),
-          with("Layout", 0x1c2e3e81c98174b8, layout),
-          with("LayoutLoop", 0xd32d6521a7df8121, layout, true),
-          with("MotionAlone", 0x9274d6a34d0ca51d, motion_alone),
-          with("MotionAloneMoving", 0xf6ca2e651982420f, motion_alone, false, outline::Outline::kMoving),
-          with("Paper", 0x3dfe0b4ad08f6d6d, PaperOptions{}),
+  return {with("Carried", 0x2d97af4aebf02ed6, CarriedOptions{}),
+          with("CarriedLoop", 0xfe18a91dac9db885, CarriedOptions{}, true),
+          with("CarriedMoving", 0x9da15b534fabdf69, CarriedOptions{}, false, outline::Outline::kMoving),
+          with("Goes", 0x9295d621612557a1, goes),
+          with("Layout", 0x04aaf821243796d4, layout),
+          with("LayoutLoop", 0xb2c8400402c6c185, layout, true),
+          with("MotionAlone", 0xcdcfb8588f6a2d2b, motion_alone),
+          with("MotionAloneMoving", 0xb452061a1c0f8de1, motion_alone, false, outline::Outline::kMoving),
+          with("Paper", 0x766e084f56b9d34e, PaperOptions{}),
           with("PaperByFrame", 0x850851d95d502cce, by_frame),
-          with("PaperLoopOfWholeFrames", 0x979fab7519d8db73, nearest, true),
-          with("PaperMoving", 0x976b5069a0f30feb, PaperOptions{}, false, outline::Outline::kMoving)};
+          with("PaperLoopOfWholeFrames", 0x773eac3116f75d0d, nearest, true),
+          with("PaperMoving", 0xbd60be059ec845fe, PaperOptions{}, false, outline::Outline::kMoving)};
 }
 
 /// A picture whose fluid two clips move; of the second the layout stands.

@@ -63,6 +63,28 @@ TEST(EvenedMotion, WaysMeetBetweenAtASpeedBetween) {
   EXPECT_LT(cv::norm(v), 40);
 }
 
+TEST(EvenedMotion, ANarrowStreamThroughStillWaterKeepsItsSpeed) {
+  cv::Mat motion = everywhere({0, 2});
+  motion.colRange(140, 180).setTo(cv::Scalar(0, 60));
+  motion.colRange(140, 180).rowRange(80, 160).setTo(cv::Scalar(0, 80));
+  const cv::Mat evened = evened_motion(motion, all(), 0);
+  EXPECT_NEAR(evened.at<cv::Vec2f>(120, 160)[1], 63, 7);
+  EXPECT_NEAR(evened.at<cv::Vec2f>(30, 160)[1], 57, 7);
+  EXPECT_NEAR(evened.at<cv::Vec2f>(120, 60)[1], 2, 0.1);
+}
+
+TEST(EvenedMotion, WhereWaysCancelOutEachPlaceKeepsItsOwnAtTheMeanSpeed) {
+  cv::Mat motion = everywhere({40, 0});
+  for (int y = 0; y < 240; y += 16) motion.rowRange(y, y + 8).setTo(cv::Scalar(-20, 0));
+  for (int y = 0; y < 240; y += 32) motion.rowRange(y, y + 8).setTo(cv::Scalar(-60, 0));
+  const cv::Mat evened = evened_motion(motion, all(), 1);
+  for (const int y : {100, 108, 116, 124}) {
+    const float was = motion.at<cv::Vec2f>(y, 160)[0], is = evened.at<cv::Vec2f>(y, 160)[0];
+    EXPECT_GT(was * is, 0) << y;
+    EXPECT_NEAR(std::abs(is), 40, 4) << y;
+  }
+}
+
 TEST(ApplyGuide, TurnsWhatGoesAndKeepsItsSpeed) {
   query::MotionGuide guide;
   guide.direction = everywhere({0, 1});

@@ -12,10 +12,23 @@ namespace freshet::synth::animate {
 namespace {
 
 const cv::Size kSize(77, 41);  // odd: rows end in the middle of a vector
+// To whole levels, and what shows below the fluid to 1/128 before.
+constexpr double kRounded = 0.5 + 0.5 / 128 + 1e-3;
+
+/// Colours that keep luma.
+cv::Mat chroma(std::uint64_t seed, double most) {
+  cv::Mat out = noise(kSize, CV_32FC3, seed, -most, most);
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) {
+      cv::Vec3f& c = out.at<cv::Vec3f>(y, x);
+      c[1] = -(0.114f * c[0] + 0.299f * c[2]) / 0.587f;
+    }
+  return out;
+}
 
 struct Parts {
-  ColourModel model{noise(kSize, CV_32FC3, 1, -0.4, 0.4), noise(kSize, CV_32FC3, 2, -0.1, 0.1)};
-  cv::Mat own_colour = noise(kSize, CV_32FC3, 3, -0.1, 0.1), still = noise(kSize, CV_32FC3, 4, 0, 1);
+  ColourModel model{chroma(1, 0.4), chroma(2, 0.1)};
+  cv::Mat own_colour = chroma(3, 0.1), still = noise(kSize, CV_32FC3, 4, 0, 1);
   cv::Mat luma = noise(kSize, CV_32F, 5, -0.2, 1.2), fluid = noise(kSize, CV_32F, 6, 0, 1);
   ColourCurve curve{still, luma_of(still), cv::Mat(kSize, CV_32F, cv::Scalar(1))};
   FrameFinisher finisher{model, curve, own_colour, still};
@@ -70,7 +83,7 @@ cv::Vec3d finished(const Parts& parts, int y, int x, const Brought* brought) {
 
 void expect_near(const cv::Mat& frame, const cv::Vec3d& expected, int y, int x) {
   for (int k = 0; k < 3; ++k)
-    ASSERT_LE(std::abs(frame.at<cv::Vec3b>(y, x)[k] - expected[k]), 0.5 + 1e-3) << x << " " << y << " " << k;
+    ASSERT_LE(std::abs(frame.at<cv::Vec3b>(y, x)[k] - expected[k]), kRounded) << x << " " << y << " " << k;
 }
 
 TEST(FrameFinisher, ColoursLuminanceAndLaysItIntoTheStillPicture) {
@@ -135,7 +148,7 @@ TEST(FinishedFrame, TheFluidAloneOverTheStillIsTheWholeFrame) {
         EXPECT_EQ(f[3], parts.fluid.at<float>(y, x));
         for (int k = 0; k < 3; ++k)
           ASSERT_NEAR(255 * (f[k] + (1 - f[3]) * parts.still.at<cv::Vec3f>(y, x)[k]),
-                      whole.at<cv::Vec3b>(y, x)[k], 0.501);
+                      whole.at<cv::Vec3b>(y, x)[k], kRounded);
       }
   }
 }
