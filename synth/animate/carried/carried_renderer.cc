@@ -571,7 +571,8 @@ class CarriedRenderer final : public Renderer {
 
   Animation& animation_;
   const StillPart& whole_;
-  StillPart still_;  // what is carried of it: where water glitters, the ground of its sparkles
+  // What is carried of it: where water glitters, the ground of its sparkles. asked_motion: of all but fire evened.
+  StillPart still_;
   CarriedOptions options_;
   const int step_px_;                    // of the field and of copies' maps
   double half_life_s_ = 0;               // of carried detail

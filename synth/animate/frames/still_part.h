@@ -16,11 +16,11 @@ namespace freshet::synth::animate {
 
 /// All of the picture's size.
 struct StillPart {
-  cv::Mat target, luma;  // the picture, CV_32FC3, and its luma, CV_32F; 1 is white
-  cv::Mat alpha;         // the matte, CV_32F 0..1
-  cv::Mat behind;        // with a moving outline: behind_fluid
-  cv::Mat assigned_motion,
-      asked_motion;  // CV_32FC2, px/s: the patches' own, and as it is asked (apply_guide)
+  cv::Mat target, luma;     // the picture, CV_32FC3, and its luma, CV_32F; 1 is white
+  cv::Mat alpha;            // the matte, CV_32F 0..1
+  cv::Mat behind;           // with a moving outline: behind_fluid
+  cv::Mat assigned_motion;  // CV_32FC2, px/s: the patches' own
+  cv::Mat asked_motion;     // the same as it is asked (apply_guide)
   ColourModel colours;
 
   /// Once a renderer has been made: what frames do not need, 36 bytes a pixel, and 20 more unless an outline moves.

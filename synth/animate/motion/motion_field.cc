@@ -23,7 +23,10 @@ constexpr double kEvened = 0.01;  // sigma of asked directions, of the picture's
 constexpr double kAround = 0.15, kOfAPlace = 0.025;
 constexpr int kEvenStep = 8;
 constexpr float kRests = 0.3f, kGoes = 0.8f;
+constexpr float kFlows = 0.5f;                  // the same, of what counts in that mean
+constexpr int kMeans = 3;                       // of all fluid, then of what goes
 constexpr float kOppose = 0.1f, kAgree = 0.3f;  // the mean motion's length, of the mean speed
+constexpr float kLeastFluid = 1e-6f;            // of all around: else there is none
 
 // Of water that falls freely. Lengths are those of a picture of 640 px.
 constexpr double kMeantFor_px = 640, kStreak_px = 1.5, kFallEdge_px = 6;
@@ -179,6 +182,30 @@ std::vector<float> fall_factors(const cv::Mat& motion, const Stretch& stretch, b
   return factors;
 }
 
+/// What evened motion makes of a place.
+struct Evened {
+  cv::Vec2f motion{0, 0};         // px/s: the mean's, as far as ways agree
+  float keeps = 1;                // times the place's own beside it
+  float follows = 1, counts = 1;  // 0..1: how far it goes so, and is fluid that goes
+};
+
+/// around, near   motion, speed and mass of the fluid there, summed.
+Evened evened_place(const cv::Vec4f& around, const cv::Vec4f& near) {
+  if (around[3] < kLeastFluid || around[2] <= 0) return {};
+  const float speed = around[2] / around[3], length = std::hypot(around[0], around[1]);
+  const float agreed = smoothstep(kOppose, kAgree, length / around[2]);
+  Evened out;
+  if (length > 0) out.motion = cv::Vec2f(around[0], around[1]) * (agreed * speed / length);
+  float share = 1;  // of the mean speed, the place's
+  if (near[3] >= kLeastFluid) {
+    share = near[2] / near[3] / speed;
+    out.follows = smoothstep(kRests, kGoes, share);
+    out.counts = smoothstep(kRests, kFlows, share);
+  }
+  out.keeps = (1 - agreed) * std::min(1 / std::max(share, 1e-3f), kMostFaster);
+  return out;
+}
+
 /// How fast a plane is seen to go, over its mean in the fluid. CV_32F.
 cv::Mat seen_share(const Horizon& horizon, const cv::Mat& direction, const cv::Mat& matte) {
   cv::Mat seen = vision::seen_speeds(horizon, direction, matte.size());
@@ -250,39 +277,31 @@ cv::Mat evened_motion(const cv::Mat& motion, const cv::Mat& matte, double whole)
     return out;
   };
 
-  // What rests is told from all that is around it, then from what goes around it, and counts no more.
+  // What rests is told from all that is around it, then from what goes around it.
   const cv::Mat near = sums(fluid, kOfAPlace);
-  cv::Mat around = sums(fluid, kAround), counted(fluid.size(), fluid.type()), follows(fluid.size(), CV_32F);
-  for (int pass = 0; pass < 2; ++pass) {
+  cv::Mat around = sums(fluid, kAround), counted(fluid.size(), fluid.type());
+  // The mean motion as far as ways agree, what a place's own is multiplied by beside it, and how far all that is
+  // followed.
+  cv::Mat towards(fluid.size(), CV_32FC4);
+  const auto whole_part = static_cast<float>(whole);
+  for (int pass = 0; pass < kMeans; ++pass) {
     for (int y = 0; y < fluid.rows; ++y)
       for (int x = 0; x < fluid.cols; ++x) {
-        const cv::Vec4f &sum = around.at<cv::Vec4f>(y, x), &own = near.at<cv::Vec4f>(y, x);
-        const bool judged = sum[2] > 0 && own[3] > 0;
-        const float goes = judged ? smoothstep(kRests, kGoes, own[2] * sum[3] / (own[3] * sum[2])) : 1.0f;
-        follows.at<float>(y, x) = std::lerp(goes, 1.0f, static_cast<float>(whole));
-        counted.at<cv::Vec4f>(y, x) = follows.at<float>(y, x) * fluid.at<cv::Vec4f>(y, x);
+        const Evened place = evened_place(around.at<cv::Vec4f>(y, x), near.at<cv::Vec4f>(y, x));
+        counted.at<cv::Vec4f>(y, x) = std::lerp(place.counts, 1.0f, whole_part) * fluid.at<cv::Vec4f>(y, x);
+        towards.at<cv::Vec4f>(y, x) = {place.motion[0], place.motion[1], place.keeps,
+                                       std::lerp(place.follows, 1.0f, whole_part)};
       }
-    around = sums(counted, kAround);
+    if (pass + 1 < kMeans) around = sums(counted, kAround);
   }
 
-  // The mean's way, of a length 0..1 by how far it is agreed on; its speed; how far it is followed.
-  cv::Mat mean(fluid.size(), CV_32FC4, cv::Scalar::all(0));
-  for (int y = 0; y < fluid.rows; ++y)
-    for (int x = 0; x < fluid.cols; ++x) {
-      const cv::Vec4f& sum = around.at<cv::Vec4f>(y, x);
-      const float length = std::hypot(sum[0], sum[1]);
-      if (length <= 0 || sum[3] <= 0) continue;
-      const float agreed = smoothstep(kOppose, kAgree, length / sum[2]) / length;
-      mean.at<cv::Vec4f>(y, x) = {agreed * sum[0], agreed * sum[1], sum[2] / sum[3], follows.at<float>(y, x)};
-    }
-  cv::resize(mean, mean, motion.size(), 0, 0, cv::INTER_LINEAR);
+  cv::resize(towards, towards, motion.size(), 0, 0, cv::INTER_LINEAR);
   cv::Mat out = motion.clone();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
-      const cv::Vec4f& to = mean.at<cv::Vec4f>(y, x);
+      const cv::Vec4f& to = towards.at<cv::Vec4f>(y, x);
       cv::Vec2f& v = out.at<cv::Vec2f>(y, x);
-      const float own = std::hypot(v[0], v[1]), keeps = own > 0 ? (1 - std::hypot(to[0], to[1])) / own : 0.0f;
-      v += to[3] * (to[2] * (cv::Vec2f(to[0], to[1]) + keeps * v) - v);
+      v += to[3] * (cv::Vec2f(to[0], to[1]) + to[2] * v - v);
     }
   return out;
 }

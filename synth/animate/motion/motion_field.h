@@ -17,9 +17,10 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
 
 /// A field that shears little: neighbouring patches of clips that went at other speeds, or elsewhere, would comb a
 /// cloud to hair, and wind up the lights in a river. Way and speed become means over the fluid around, of sigma .15 of
-/// the longer side; but what rests beside that (over some .05, by less than .3 of the mean speed, wholly; to .8, in
-/// part) keeps its own, and then does not count: a narrow stream through still water keeps its speed. Where ways cancel
-/// out (a mean below .1 of the mean speed; to .3, in part) each place keeps its way.
+/// the longer side; but what rests beside what goes there (over some .05, by less than .3 of its mean speed, wholly; to
+/// .8, in part) keeps its own, and does not count (to .5, in part): a narrow stream through still water keeps its
+/// speed. Where ways cancel out (a mean below .1 of the mean speed) each place keeps its way, at the mean speed;
+/// between (to .3) what goes against the mean is slowed.
 /// motion    CV_32FC2, px/s.
 /// matte     CV_32F, 0..1, of that size.
 /// whole     0..1: how far what rests goes along with the rest.

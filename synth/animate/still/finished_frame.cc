@@ -61,24 +61,29 @@ struct FrameFinisher::Row {
     if (carries)
       for (auto* row : {&blue, &red, &fraction}) row->resize(static_cast<std::size_t>(width));
   }
-  void read(const FrameFinisher& of, const float* luma, const CarriedFrame* carried, int y) {
-    const int width = static_cast<int>(chroma[0].size());
-    chroma_row(luma, of.blue_.slope.ptr<float>(y), of.blue_.rest.ptr<float>(y), width, chroma[0].data());
-    chroma_row(luma, of.red_.slope.ptr<float>(y), of.red_.rest.ptr<float>(y), width, chroma[2].data());
+  /// Of its samples from `begin` on, before `end`.
+  void read(const FrameFinisher& of, const float* luma, const CarriedFrame* carried, int y, int begin,
+            int end) {
+    const int width = static_cast<int>(chroma[0].size()), n = end - begin;
+    const auto own = [&](const Chroma& of_model, std::vector<float>& out) {
+      chroma_row(luma + begin, of_model.slope.ptr<float>(y) + begin, of_model.rest.ptr<float>(y) + begin, n,
+                 out.data() + begin);
+    };
+    own(of.blue_, chroma[0]);
+    own(of.red_, chroma[2]);
     if (carried) {
       colour_row(*carried, y, width, blue.data(), red.data(), fraction.data());
       of.curve_.follow(carried->luma.ptr<std::int16_t>(y), luma, width, blue.data(), red.data());
-      bring(blue.data(), fraction.data(), width, chroma[0].data());
-      bring(red.data(), fraction.data(), width, chroma[2].data());
+      bring(blue.data() + begin, fraction.data() + begin, n, chroma[0].data() + begin);
+      bring(red.data() + begin, fraction.data() + begin, n, chroma[2].data() + begin);
     }
-    green_chroma(chroma[0].data(), chroma[2].data(), width, chroma[1].data());
+    green_chroma(chroma[0].data() + begin, chroma[2].data() + begin, n, chroma[1].data() + begin);
   }
 };
 
 FrameFinisher::FrameFinisher(const ColourModel& model, const ColourCurve& curve, const cv::Mat& own_colour,
                              const cv::Mat& still)
     : curve_(curve) {
-  still.convertTo(ground_, CV_8U, 255);
   const auto chroma_of = [&](int channel, Chroma& out) {
     cv::Mat own;
     cv::extractChannel(model.slope, out.slope, channel);
@@ -90,6 +95,8 @@ FrameFinisher::FrameFinisher(const ColourModel& model, const ColourCurve& curve,
   chroma_of(2, red_);
   cv::Mat levels;
   still.convertTo(levels, CV_16U, 255 * kOfLevel);
+  levels = cv::min(levels, 255 * kOfLevel);
+  levels.convertTo(ground_, CV_8U, 1 / kOfLevel, 1e-3);  // halves up, as light() rounds
   cv::split(levels, still_.data());
   double brightest = 1;
   cv::minMaxLoc(still.reshape(1), nullptr, &brightest);
@@ -107,7 +114,7 @@ cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const C
     while (begin < end && a[begin] <= 0) ++begin;
     while (end > begin && a[end - 1] <= 0) --end;
     if (begin == end) continue;
-    row.read(*this, l, carried, y);
+    row.read(*this, l, carried, y, begin, end);
     for (std::size_t k = 0; k < 3; ++k)
       light(l + begin, row.chroma[k].data() + begin, still_[k].ptr<std::uint16_t>(y) + begin, a + begin,
             end - begin, lit[k].data());
@@ -125,7 +132,7 @@ cv::Mat FrameFinisher::finish_fluid(const cv::Mat& luma, const cv::Mat& fluid,
   for (auto& channel : lit) channel.resize(static_cast<std::size_t>(width));
   for (int y = 0; y < frame.rows; ++y) {
     const float *l = luma.ptr<float>(y), *a = fluid.ptr<float>(y);
-    row.read(*this, l, carried, y);
+    row.read(*this, l, carried, y, 0, width);
     for (std::size_t k = 0; k < 3; ++k)
       light_fluid(l, row.chroma[k].data(), a, brightest_, width, lit[k].data());
     float* out = frame.ptr<float>(y);

@@ -18,7 +18,8 @@ class FrameFinisher {
   /// model        of the picture (fit_colour). It keeps luma, as own_colour does: green follows from blue and red.
   /// curve        how what is carried changes its colour where its luminance is another now.
   /// own_colour   CV_32FC3: what colour does beside the model.
-  /// still        CV_32FC3, 0..1: what shows where the fluid does not; unchanged where a matte is 0.
+  /// still        CV_32FC3, 0..1 (finish_fluid: and above): what shows where the fluid does not; unchanged where a
+  ///              matte is 0.
   FrameFinisher(const ColourModel& model, const ColourCurve& curve, const cv::Mat& own_colour,
                 const cv::Mat& still);
 

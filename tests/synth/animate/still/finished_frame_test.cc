@@ -135,6 +135,17 @@ TEST(FrameFinisher, LeavesTheStillPictureAsItIsWhereThereIsNoFluid) {
   }
 }
 
+TEST(FrameFinisher, WhereThereIsNoFluidItIsTheSameWhateverLiesBesideIt) {
+  const Parts parts;  // a still of levels between the whole ones
+  const cv::Mat frame = parts.finisher.finish(parts.luma, parts.fluid, nullptr),
+                none = parts.finisher.finish(parts.luma, cv::Mat::zeros(kSize, CV_32F), nullptr);
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x)
+      if (parts.fluid.at<float>(y, x) == 0) {
+        ASSERT_EQ(frame.at<cv::Vec3b>(y, x), none.at<cv::Vec3b>(y, x)) << x << " " << y;
+      }
+}
+
 TEST(FinishedFrame, TheFluidAloneOverTheStillIsTheWholeFrame) {
   const Parts parts;
   const CarriedFrame carried = carried_frame();
