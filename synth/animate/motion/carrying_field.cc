@@ -48,10 +48,11 @@ double mean_speed(const cv::Mat& field) {
 }
 
 /// The complex number that turns and scales the assigned mean to the asked one, smoothed over slow places.
-cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked, int step) {
+/// least  CarryingOptions::least_scale
+cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked, int step, double least) {
   const double sigma = kSmoothing_px / step;
   const auto slow = static_cast<float>(kSlowFraction * mean_speed(assigned));
-  cv::Mat sum(assigned.size(), CV_32FC2), mass(assigned.size(), CV_32F);
+  cv::Mat sum(assigned.size(), CV_32FC2), mass(assigned.size(), CV_32F), is_asked = mass.clone();
   for (int y = 0; y < assigned.rows; ++y)
     for (int x = 0; x < assigned.cols; ++x) {
       const cv::Vec2f a = assigned.at<cv::Vec2f>(y, x), b = asked.at<cv::Vec2f>(y, x);
@@ -60,16 +61,19 @@ cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked, int step) {
       const float power = speed * speed + slow * slow;
       sum.at<cv::Vec2f>(y, x) = cv::Vec2f(a[0] * b[0] + a[1] * b[1], a[0] * b[1] - a[1] * b[0]);
       mass.at<float>(y, x) = std::max(power, 1e-12f);
+      is_asked.at<float>(y, x) = b != cv::Vec2f(0, 0) ? static_cast<float>(least) : 0.0f;
     }
   cv::GaussianBlur(sum, sum, {}, sigma, sigma, cv::BORDER_REPLICATE);
   cv::GaussianBlur(mass, mass, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  if (least > 0) cv::GaussianBlur(is_asked, is_asked, {}, sigma, sigma, cv::BORDER_REPLICATE);
   for (int y = 0; y < sum.rows; ++y)
     for (int x = 0; x < sum.cols; ++x) {
       cv::Vec2f turn = sum.at<cv::Vec2f>(y, x) / mass.at<float>(y, x);
       const float scale = length(turn);
       // Where patches that go are asked to stand, nothing is left of what they do.
       const bool goes = mass.at<float>(y, x) >= 2 * slow * slow;
-      const float wanted = std::clamp(scale, goes ? 0.0f : kMinTurnScale, static_cast<float>(kMaxTurnScale));
+      const float least_here = std::max(goes ? 0.0f : kMinTurnScale, is_asked.at<float>(y, x));
+      const float wanted = std::clamp(scale, least_here, static_cast<float>(kMaxTurnScale));
       turn = scale > 1e-6f ? cv::Vec2f(turn * (wanted / scale)) : cv::Vec2f(wanted, 0);
       sum.at<cv::Vec2f>(y, x) = turn;
     }
@@ -96,7 +100,7 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
   assigned_ = cv::Mat::zeros(size, CV_32FC2);
   for (const cv::Mat& field : fields) assigned_ += field;
   assigned_ /= measured;
-  turn_ = turn_between(assigned_, mean_, step) * (options.variation / fps);
+  turn_ = turn_between(assigned_, mean_, step, options.least_scale) * (options.variation / fps);
   mean_ /= fps;
   cv::Mat power = cv::Mat::zeros(size, CV_32F);
   for (const cv::Mat& field : fields)

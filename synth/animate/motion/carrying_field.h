@@ -22,6 +22,9 @@ struct CarryingOptions {
   /// than on, and where a slow drift is asked it folded a beach's waves. At .5 rapids come from 4.2 to 3.7 dB, other
   /// clips stay as they were.
   double max_of_asked = 0.5;
+  /// Fluctuations are scaled by no less where anything is asked but to stand: flames that rise slowly in the mean leap
+  /// as high all the same.
+  double least_scale = 0;
   /// A frame whose mean speed is this many times the median frame's is bridged by its neighbours: cuts,
   /// flashes and repeated frames.
   double max_jump = 2.5;

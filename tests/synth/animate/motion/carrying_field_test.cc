@@ -68,6 +68,30 @@ TEST(CarryingField, VariesAsThePatchesDoTurnedAndScaledAsTheirMeanIs) {
   }
 }
 
+TEST(CarryingField, FlamesLeapAsTheirPatchesHoweverSlowlyTheyAreToRiseAndStandWhereTheyAreTo) {
+  const FlowingStore store({kClip});
+  const auto sequence = sequence_of(store);
+  cv::Mat slow = asked(4, 0);
+  slow.colRange(0, 50).setTo(0);
+  // By how much a place's motion differs from frame to frame, over the patches'.
+  const auto varies = [&](int x, double least) {
+    const CarryingField field(sequence, slow, kFrames, kFps, kStep, false,
+                              {.max_of_asked = 0, .least_scale = least});
+    double found = 0, own = 0;
+    for (int i = 0; i + 1 < kFrames; ++i) {
+      const auto apart = [&](const cv::Mat& one, const cv::Mat& next) {
+        return cv::norm(one.at<cv::Vec2f>(8, x) - next.at<cv::Vec2f>(8, x));
+      };
+      found += kFps * apart(field.at(i), field.at(i + 1));
+      own += apart(sequence->at(i, kStep, field.size()), sequence->at(i + 1, kStep, field.size()));
+    }
+    return found / own;
+  };
+  EXPECT_NEAR(varies(24, 1), 1, 0.1);
+  EXPECT_LT(varies(24, 0), 0.2);
+  EXPECT_LT(varies(0, 1), 0.05);
+}
+
 TEST(CarryingField, WithoutVariationIsSteady) {
   const FlowingStore store({kClip});
   const CarryingField field(sequence_of(store), asked(30, 0), kFrames, kFps, kStep, false, {.variation = 0});
