@@ -268,10 +268,7 @@ class CarriedRenderer final : public Renderer {
     const FrameOptions& frames = animation_.options;
     CarryingOptions carrying = options_.carrying;
     if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0;
-    if (places_class(animation_, kFire)) {
-      carrying.max_of_asked = 0;
-      carrying.least_scale = 1;
-    }
+    if (places_class(animation_, kFire)) carrying.least_scale = 1;
     field_ = std::make_shared<const CarryingField>(sequence_, still_.asked_motion, frames.frames, frames.fps,
                                                    step_px_, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);

@@ -6,6 +6,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "platform/smoothstep.h"
 #include "platform/vectors.h"
 
 namespace freshet::synth::animate {
@@ -16,7 +17,8 @@ constexpr float kMinTurnScale =
     0.25;  // and by at least this, where the patches have no mean motion to speak of
 constexpr double kSlowFraction = 0.2;  // of the mean speed: slower places have no direction of their own
 constexpr double kSmoothing_px = 16;   // the turn is smooth, where strokes meet slow places
-constexpr int kMeasured = 64;          // frames that means and limits are measured on
+constexpr float kStands = 0.2f, kIsAsked = 1;  // px/s; a stroke of speed 0 asks for .1
+constexpr int kMeasured = 64;                  // frames that means and limits are measured on
 // Frames kept: some more than one batch goes on by, and more as far as they fit into this.
 constexpr std::size_t kMinKept = 24, kKeptBytes = 32 << 20;
 
@@ -47,12 +49,23 @@ double mean_speed(const cv::Mat& field) {
   return sum / static_cast<double>(field.total());
 }
 
+/// CarryingOptions::least_scale where anything is asked but to stand. asked: px/s.
+cv::Mat least_scales(const cv::Mat& asked, int step, double least) {
+  cv::Mat out(asked.size(), CV_32F), around;
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x)
+      out.at<float>(y, x) =
+          static_cast<float>(least) * smoothstep(kStands, kIsAsked, length(asked.at<cv::Vec2f>(y, x)));
+  cv::GaussianBlur(out, around, {}, kSmoothing_px / step, kSmoothing_px / step, cv::BORDER_REPLICATE);
+  return cv::min(out, around);
+}
+
 /// The complex number that turns and scales the assigned mean to the asked one, smoothed over slow places.
-/// least  CarryingOptions::least_scale
-cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked, int step, double least) {
+/// least  CV_32F: below this scale fluctuations go as they are assigned instead
+cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked, int step, const cv::Mat& least) {
   const double sigma = kSmoothing_px / step;
   const auto slow = static_cast<float>(kSlowFraction * mean_speed(assigned));
-  cv::Mat sum(assigned.size(), CV_32FC2), mass(assigned.size(), CV_32F), is_asked = mass.clone();
+  cv::Mat sum(assigned.size(), CV_32FC2), mass(assigned.size(), CV_32F);
   for (int y = 0; y < assigned.rows; ++y)
     for (int x = 0; x < assigned.cols; ++x) {
       const cv::Vec2f a = assigned.at<cv::Vec2f>(y, x), b = asked.at<cv::Vec2f>(y, x);
@@ -61,20 +74,18 @@ cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked, int step, do
       const float power = speed * speed + slow * slow;
       sum.at<cv::Vec2f>(y, x) = cv::Vec2f(a[0] * b[0] + a[1] * b[1], a[0] * b[1] - a[1] * b[0]);
       mass.at<float>(y, x) = std::max(power, 1e-12f);
-      is_asked.at<float>(y, x) = b != cv::Vec2f(0, 0) ? static_cast<float>(least) : 0.0f;
     }
   cv::GaussianBlur(sum, sum, {}, sigma, sigma, cv::BORDER_REPLICATE);
   cv::GaussianBlur(mass, mass, {}, sigma, sigma, cv::BORDER_REPLICATE);
-  if (least > 0) cv::GaussianBlur(is_asked, is_asked, {}, sigma, sigma, cv::BORDER_REPLICATE);
   for (int y = 0; y < sum.rows; ++y)
     for (int x = 0; x < sum.cols; ++x) {
       cv::Vec2f turn = sum.at<cv::Vec2f>(y, x) / mass.at<float>(y, x);
       const float scale = length(turn);
       // Where patches that go are asked to stand, nothing is left of what they do.
       const bool goes = mass.at<float>(y, x) >= 2 * slow * slow;
-      const float least_here = std::max(goes ? 0.0f : kMinTurnScale, is_asked.at<float>(y, x));
-      const float wanted = std::clamp(scale, least_here, static_cast<float>(kMaxTurnScale));
+      const float wanted = std::clamp(scale, goes ? 0.0f : kMinTurnScale, static_cast<float>(kMaxTurnScale));
       turn = scale > 1e-6f ? cv::Vec2f(turn * (wanted / scale)) : cv::Vec2f(wanted, 0);
+      turn[0] += std::max(least.at<float>(y, x) - wanted, 0.0f);
       sum.at<cv::Vec2f>(y, x) = turn;
     }
   return sum;
@@ -100,7 +111,8 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
   assigned_ = cv::Mat::zeros(size, CV_32FC2);
   for (const cv::Mat& field : fields) assigned_ += field;
   assigned_ /= measured;
-  turn_ = turn_between(assigned_, mean_, step, options.least_scale) * (options.variation / fps);
+  const cv::Mat least = least_scales(mean_, step, options.least_scale);
+  turn_ = turn_between(assigned_, mean_, step, least) * (options.variation / fps);
   mean_ /= fps;
   cv::Mat power = cv::Mat::zeros(size, CV_32F);
   for (const cv::Mat& field : fields)
@@ -120,9 +132,13 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
   limit_ *= options.max_deviation;
   if (options.max_of_asked > 0)
     for (int y = 0; y < size.height; ++y)
-      for (int x = 0; x < size.width; ++x)
-        limit_.at<float>(y, x) = std::min(limit_.at<float>(y, x), static_cast<float>(options.max_of_asked) *
-                                                                      length(mean_.at<cv::Vec2f>(y, x)));
+      for (int x = 0; x < size.width; ++x) {
+        const float usual =
+            std::max(length(mean_.at<cv::Vec2f>(y, x)),
+                     least.at<float>(y, x) * length(assigned_.at<cv::Vec2f>(y, x)) / static_cast<float>(fps));
+        float& limit = limit_.at<float>(y, x);
+        limit = std::min(limit, static_cast<float>(options.max_of_asked) * usual);
+      }
 
   // Frames whose flow failed as a whole.
   std::vector<double> speed(frames);

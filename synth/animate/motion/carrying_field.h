@@ -22,17 +22,18 @@ struct CarryingOptions {
   /// than on, and where a slow drift is asked it folded a beach's waves. At .5 rapids come from 4.2 to 3.7 dB, other
   /// clips stay as they were.
   double max_of_asked = 0.5;
-  /// Fluctuations are scaled by no less where anything is asked but to stand: flames that rise slowly in the mean leap
-  /// as high all the same.
+  /// Fluctuations are scaled by no less, and limited as if the mean were that of the assigned patches times this, but
+  /// where the fluid is asked to stand (below .2 px/s; to 1, in part): flames that rise slowly in the mean leap all the
+  /// same.
   double least_scale = 0;
   /// A frame whose mean speed is this many times the median frame's is bridged by its neighbours: cuts,
   /// flashes and repeated frames.
   double max_jump = 2.5;
 };
 
-/// Mean motion as it is asked for (or assigned), plus what the patches' flow does beside its own mean: turned
-/// by the angle, and scaled by the ratio, from the assigned mean to the asked one. So the patches say how the
-/// fluid moves, and whoever draws says where to. Sampled every step() px of the picture.
+/// Mean motion as it is asked for (or assigned), plus what the patches' flow does beside its own mean: turned by the
+/// angle, and scaled by the ratio, from the assigned mean to the asked one (within least_scale and 4). So the patches
+/// say how the fluid moves, and whoever draws says where to. Sampled every step() px of the picture.
 class CarryingField {
  public:
   /// sequence   of the assigned patches as they play.

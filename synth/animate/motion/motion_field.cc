@@ -26,6 +26,7 @@ constexpr float kRests = 0.3f, kGoes = 0.8f;
 constexpr float kFlows = 0.5f;                  // the same, of what counts in that mean
 constexpr int kMeans = 3;                       // of all fluid, then of what goes
 constexpr float kOppose = 0.1f, kAgree = 0.3f;  // the mean motion's length, of the mean speed
+constexpr float kMostQuickened = 4;             // by a place's own speed
 constexpr float kLeastFluid = 1e-6f;            // of all around: else there is none
 
 // Of water that falls freely. Lengths are those of a picture of 640 px.
@@ -202,7 +203,7 @@ Evened evened_place(const cv::Vec4f& around, const cv::Vec4f& near) {
     out.follows = smoothstep(kRests, kGoes, share);
     out.counts = smoothstep(kRests, kFlows, share);
   }
-  out.keeps = (1 - agreed) * std::min(1 / std::max(share, 1e-3f), kMostFaster);
+  out.keeps = (1 - agreed) * std::min(1 / std::max(share, 1e-3f), kMostQuickened);
   return out;
 }
 

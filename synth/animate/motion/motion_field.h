@@ -19,8 +19,8 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
 /// cloud to hair, and wind up the lights in a river. Way and speed become means over the fluid around, of sigma .15 of
 /// the longer side; but what rests beside what goes there (over some .05, by less than .3 of its mean speed, wholly; to
 /// .8, in part) keeps its own, and does not count (to .5, in part): a narrow stream through still water keeps its
-/// speed. Where ways cancel out (a mean below .1 of the mean speed) each place keeps its way, at the mean speed;
-/// between (to .3) what goes against the mean is slowed.
+/// speed. Where ways cancel out (a mean below .1 of the mean speed) each place keeps its way, and is brought to that
+/// speed by what lies within some .05, at most fourfold; between (to .3) what goes against the mean is slowed.
 /// motion    CV_32FC2, px/s.
 /// matte     CV_32F, 0..1, of that size.
 /// whole     0..1: how far what rests goes along with the rest.

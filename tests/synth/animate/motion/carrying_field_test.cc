@@ -68,28 +68,47 @@ TEST(CarryingField, VariesAsThePatchesDoTurnedAndScaledAsTheirMeanIs) {
   }
 }
 
-TEST(CarryingField, FlamesLeapAsTheirPatchesHoweverSlowlyTheyAreToRiseAndStandWhereTheyAreTo) {
-  const FlowingStore store({kClip});
-  const auto sequence = sequence_of(store);
-  cv::Mat slow = asked(4, 0);
-  slow.colRange(0, 50).setTo(0);
-  // By how much a place's motion differs from frame to frame, over the patches'.
-  const auto varies = [&](int x, double least) {
-    const CarryingField field(sequence, slow, kFrames, kFps, kStep, false,
-                              {.max_of_asked = 0, .least_scale = least});
-    double found = 0, own = 0;
-    for (int i = 0; i + 1 < kFrames; ++i) {
-      const auto apart = [&](const cv::Mat& one, const cv::Mat& next) {
-        return cv::norm(one.at<cv::Vec2f>(8, x) - next.at<cv::Vec2f>(8, x));
-      };
-      found += kFps * apart(field.at(i), field.at(i + 1));
-      own += apart(sequence->at(i, kStep, field.size()), sequence->at(i + 1, kStep, field.size()));
-    }
-    return found / own;
+/// By how much a place's motion differs from frame to frame, over the patches'; row 8 of the field.
+double varies(const MotionSequence& sequence, const CarryingField& field, int x) {
+  double found = 0, own = 0;
+  const auto apart = [&](const cv::Mat& one, const cv::Mat& next) {
+    return cv::norm(one.at<cv::Vec2f>(8, x) - next.at<cv::Vec2f>(8, x));
   };
-  EXPECT_NEAR(varies(24, 1), 1, 0.1);
-  EXPECT_LT(varies(24, 0), 0.2);
-  EXPECT_LT(varies(0, 1), 0.05);
+  for (int i = 0; i + 1 < kFrames; ++i) {
+    found += kFps * apart(field.at(i), field.at(i + 1));
+    own += apart(sequence.at(i, kStep, field.size()), sequence.at(i + 1, kStep, field.size()));
+  }
+  return found / own;
+}
+
+TEST(CarryingField, FlamesLeapAsTheirPatchesHoweverSlowlyTheyAreToRiseAndStandWhereTheyAreTo) {
+  for (const float steady : {2.0f, 0.0f}) {
+    const FlowingStore store({{.size = {220, 180}, .steady = {steady, -steady / 2}, .varying = 0.6f}});
+    const auto sequence = sequence_of(store);
+    cv::Mat slow = asked(4, 0);
+    slow.colRange(0, 30).setTo(0);
+    slow.colRange(60, 80).setTo(cv::Scalar(0.1, 0));  // a stroke of speed 0
+    const CarryingField field(sequence, slow, kFrames, kFps, kStep, false, {.least_scale = 1});
+    EXPECT_LT(varies(*sequence, field, 2), 0.05);
+    EXPECT_LT(varies(*sequence, field, 17), 0.05);
+    if (steady == 0) continue;
+    EXPECT_NEAR(varies(*sequence, field, 24), 1, 0.2);
+    EXPECT_LT(varies(*sequence, {sequence, slow, kFrames, kFps, kStep, false, {}}, 24), 0.2);
+  }
+}
+
+TEST(CarryingField, FlamesAreNotTornWhereTheyAreToGoOpposingWays) {
+  const FlowingStore store({kClip});
+  cv::Mat opposed = asked(-20, 0);
+  opposed.colRange(50, 100).setTo(cv::Scalar(20, 0));
+  const CarryingField field(sequence_of(store), opposed, kFrames, kFps, kStep, false,
+                            {.variation = 1, .max_of_asked = 0, .least_scale = 1});
+  const CarryingField steady(sequence_of(store), opposed, kFrames, kFps, kStep, false, {.variation = 0});
+  for (int i = 0; i < kFrames; ++i) {
+    const cv::Mat varies = field.at(i) - steady.at(i);
+    for (int x = 1; x < varies.cols; ++x)
+      EXPECT_LT(cv::norm(varies.at<cv::Vec2f>(8, x) - varies.at<cv::Vec2f>(8, x - 1)), 0.65) << i << " " << x;
+  }
 }
 
 TEST(CarryingField, WithoutVariationIsSteady) {

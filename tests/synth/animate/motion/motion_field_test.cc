@@ -102,7 +102,9 @@ TEST(EvenedMotion, WithoutFluidOrMotionAndOfTheSmallestPicturesItIsFinite) {
     for (const float speed : {0.0f, 7.0f})
       for (const float fluid : {0.0f, 1.0f}) {
         const cv::Mat motion(size, CV_32FC2, cv::Scalar(speed, 0)), matte(size, CV_32F, cv::Scalar(fluid));
-        EXPECT_LT(cv::norm(evened_motion(motion, matte, 0.5), motion, cv::NORM_INF), 1e-3) << size;
+        const cv::Mat evened = evened_motion(motion, matte, 0.5);
+        EXPECT_TRUE(cv::checkRange(evened)) << size;
+        EXPECT_LT(cv::norm(evened, motion, cv::NORM_INF), 1e-3) << size;
       }
 }
 
