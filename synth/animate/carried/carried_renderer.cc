@@ -202,12 +202,6 @@ class CarriedRenderer final : public Renderer {
     const CarriedFrame* colour() const { return frame ? &*frame : nullptr; }
   };
 
-  /// Of water.
-  cv::Mat fallen(const cv::Mat& asked) const {
-    return falling_freely(asked, animation_.options.guide, whole_.luma, whole_.alpha,
-                          mean_speed(animation_.placement));
-  }
-
   /// What goes is the water below its sparkles.
   void part_glitter() {
     if (options_.glitter <= 0 || animation_.options.moving()) return;
@@ -231,7 +225,9 @@ class CarriedRenderer final : public Renderer {
       goes_at = evened_motion(still_.assigned_motion, still_.alpha, whole);
       still_.asked_motion = apply_guide(goes_at, animation_.options.guide, still_.alpha);
     }
-    if (places_class(animation_, kWater)) still_.asked_motion = fallen(still_.asked_motion);
+    if (places_class(animation_, kWater))
+      still_.asked_motion = falling_freely(still_.asked_motion, animation_.options.guide, whole_.luma,
+                                           whole_.alpha, mean_speed(animation_.placement));
     half_life_s_ = options_.half_life_s;
     if (half_life_s_ == 0) {
       const double faster =

@@ -40,7 +40,7 @@ class FrameFinisher {
     cv::Mat slope, rest;  // CV_32F: colour = luma + slope * luma + rest
   };
   Chroma blue_, red_;
-  std::array<cv::Mat, 3> still_;  // CV_16U, by channel, 1 / kOfLevel grey levels
+  std::array<cv::Mat, 3> still_;  // CV_16U, by channel, 1/128 grey levels
 
   struct Row;
 };
