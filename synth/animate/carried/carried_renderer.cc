@@ -64,6 +64,10 @@ constexpr double kFollowed = 0.4, kLeastFollowed_s = 0.25;
 constexpr double kWholeFrom_s = 0.7, kWholeSure_s = 1, kBodiesFrom_s = 0.9, kBodiesSure_s = 1.3;
 constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to another copy as a whole
 constexpr double kShareReach = 1;   // pieces: neighbours stand alike
+// Flames are carried this much faster than they are to be seen to go, for their feet stand, and what rises has often
+// gone out before it arrives; and where they are asked to go, the limit of what they do beside is this much wider.
+constexpr float kFlamesCarried = 1.5f;
+constexpr double kFlamesBeside = 2;
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
 CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
@@ -259,13 +263,30 @@ class CarriedRenderer final : public Renderer {
     sequence_ = std::make_shared<const MotionSequence>(std::move(motion).means());
   }
 
+  /// The mean that the field has, px/s.
+  cv::Mat carried_motion() const {
+    if (!places_class(animation_, kFire)) return still_.asked_motion;
+    cv::Mat out = still_.asked_motion.clone();
+    const auto fastest = static_cast<float>(fastest_speed(out.size()));
+    for (int y = 0; y < out.rows; ++y)
+      for (int x = 0; x < out.cols; ++x) {
+        auto& v = out.at<cv::Vec2f>(y, x);
+        const float speed = std::max(std::hypot(v[0], v[1]), 1e-6f);
+        v *= std::clamp(fastest / speed, 1.0f, kFlamesCarried);
+      }
+    return out;
+  }
+
   /// What is carried, along which field, and what of the picture stands.
   void lay_copies() {
     const FrameOptions& frames = animation_.options;
     CarryingOptions carrying = options_.carrying;
     if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0;
-    if (places_class(animation_, kFire)) carrying.least_scale = 1;
-    field_ = std::make_shared<const CarryingField>(sequence_, still_.asked_motion, frames.frames, frames.fps,
+    if (places_class(animation_, kFire)) {
+      carrying.least_scale = 1;
+      carrying.max_of_asked *= kFlamesBeside;
+    }
+    field_ = std::make_shared<const CarryingField>(sequence_, carried_motion(), frames.frames, frames.fps,
                                                    step_px_, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
     lay_other_way(carrying);

@@ -12,21 +12,19 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr double kMaxTurnScale = 4;  // fluctuations are scaled by at most this
+constexpr double kMaxTurnScale = 4;  // fluctuations are scaled by at most this, before what mixing lost
 constexpr float kMinTurnScale =
     0.25;  // and by at least this, where the patches have no mean motion to speak of
 constexpr double kSlowFraction = 0.2;  // of the mean speed: slower places have no direction of their own
 constexpr double kSmoothing_px = 16;   // the turn is smooth, where strokes meet slow places
+constexpr double kHardly = 1e-6;       // (px/s)^2
+constexpr double kMixedOver_px = 32;   // sigma, over which what mixing takes is told
 constexpr float kStands = 0.2f, kIsAsked = 1;  // px/s; a stroke of speed 0 asks for .1
 constexpr int kMeasured = 64;                  // frames that means and limits are measured on
 // Frames kept: some more than one batch goes on by, and more as far as they fit into this.
 constexpr std::size_t kMinKept = 24, kKeptBytes = 32 << 20;
 
 float length(const cv::Vec2f& v) { return std::hypot(v[0], v[1]); }
-
-cv::Vec2f product(const cv::Vec2f& a, const cv::Vec2f& b) {
-  return {a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]};
-}
 
 /// Fluctuations about the assigned mean, turned, bounded, and added to the mean that is asked. Pairs.
 FRESHET_WIDE void fluctuate(const float* assigned, const float* turn, const float* mean, const float* limit,
@@ -47,6 +45,28 @@ double mean_speed(const cv::Mat& field) {
   for (int y = 0; y < field.rows; ++y)
     for (int x = 0; x < field.cols; ++x) sum += length(field.at<cv::Vec2f>(y, x));
   return sum / static_cast<double>(field.total());
+}
+
+/// Of fields, how much they differ from their mean: CV_32F, mean of the squares.
+cv::Mat variance_about(const cv::Mat& mean, const std::vector<cv::Mat>& fields) {
+  cv::Mat out = cv::Mat::zeros(mean.size(), CV_32F);
+  for (const cv::Mat& field : fields)
+    for (int y = 0; y < mean.rows; ++y)
+      for (int x = 0; x < mean.cols; ++x) {
+        const cv::Vec2f d = field.at<cv::Vec2f>(y, x) - mean.at<cv::Vec2f>(y, x);
+        out.at<float>(y, x) += d.dot(d) / static_cast<float>(fields.size());
+      }
+  return out;
+}
+
+/// Deviations of patches' own motion over those of their mixture, around each place: 1 .. most. own, mixed: variances.
+cv::Mat lost_by_mixing(cv::Mat own, const cv::Mat& mixed, int step, double most) {
+  const double sigma = kMixedOver_px / step;
+  cv::Mat around, out;
+  cv::GaussianBlur(own, own, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(mixed, around, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  cv::sqrt(own / (around + kHardly), out);
+  return cv::min(cv::max(out, 1.0), most);
 }
 
 /// CarryingOptions::least_scale where anything is asked but to stand. asked: px/s.
@@ -111,17 +131,19 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
   assigned_ = cv::Mat::zeros(size, CV_32FC2);
   for (const cv::Mat& field : fields) assigned_ += field;
   assigned_ /= measured;
+  const cv::Mat mixed = variance_about(assigned_, fields);
+  const cv::Mat regained =
+      lost_by_mixing(sequence_->own_variance(step_, size), mixed, step_, options.max_regain);
   const cv::Mat least = least_scales(mean_, step, options.least_scale);
   turn_ = turn_between(assigned_, mean_, step, least) * (options.variation / fps);
   mean_ /= fps;
-  cv::Mat power = cv::Mat::zeros(size, CV_32F);
-  for (const cv::Mat& field : fields)
-    for (int y = 0; y < size.height; ++y)
-      for (int x = 0; x < size.width; ++x) {
-        const cv::Vec2f d =
-            product(field.at<cv::Vec2f>(y, x) - assigned_.at<cv::Vec2f>(y, x), turn_.at<cv::Vec2f>(y, x));
-        power.at<float>(y, x) += d.dot(d) / static_cast<float>(measured);
-      }
+  cv::Mat power(size, CV_32F);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      cv::Vec2f& turn = turn_.at<cv::Vec2f>(y, x);
+      turn *= regained.at<float>(y, x);
+      power.at<float>(y, x) = turn.dot(turn) * mixed.at<float>(y, x);
+    }
   activity_.create(size, CV_32F);
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {

@@ -15,6 +15,9 @@ namespace freshet::synth::animate {
 struct CarryingOptions {
   /// Of the patches' own flow about its mean, how much the carrying motion follows: 0 is a steady field.
   double variation = 1;
+  /// Patches that overlap are mixed, and fluctuate less together than each does by itself: what is lost is given back,
+  /// up to this many times. Clouds, smoke and fires lose about half (1.8 to 2.5 times), water less (1 to 1.2).
+  double max_regain = 2;
   /// Fluctuations are limited to this many times their root mean square at the place: where flow fails, it
   /// fails by much, and one wrong place would tear the picture.
   double max_deviation = 2.5;
@@ -32,8 +35,9 @@ struct CarryingOptions {
 };
 
 /// Mean motion as it is asked for (or assigned), plus what the patches' flow does beside its own mean: turned by the
-/// angle, and scaled by the ratio, from the assigned mean to the asked one (within least_scale and 4). So the patches
-/// say how the fluid moves, and whoever draws says where to. Sampled every step() px of the picture.
+/// angle, and scaled by the ratio, from the assigned mean to the asked one (within least_scale and 4), and by what
+/// mixing lost (max_regain). So the patches say how the fluid moves, and whoever draws says where to. Sampled every
+/// step() px of the picture.
 class CarryingField {
  public:
   /// sequence   of the assigned patches as they play.

@@ -11,7 +11,8 @@
 #include <span>
 #include <vector>
 
-#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_reduce.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
@@ -226,24 +227,37 @@ float box_mean(const cv::Mat& plane, const cv::Point2f& at, int reach) {
   return sum / static_cast<float>(reach * reach);
 }
 
+/// Of a square of a patch, over the output frames: sums of its motion and of its square.
+struct Moments {
+  cv::Vec2d sum;
+  double squares = 0;
+};
+
 /// Adds a patch's motion, weighted by its tent, to the squares that it lies on. rate: px/s for a unit of the flow.
-void add_patch(const Probe& probe, const std::array<cv::Mat, 2>& flow, double rate, const cv::Mat& tent,
-               cv::Mat& squares) {
+/// moments: of the patch's squares; `count` output frames show it so.
+void add_patch(const Probe& probe, const std::array<cv::Mat, 2>& flow, double rate, int count,
+               const cv::Mat& tent, cv::Mat& squares, Moments* moments) {
   const cv::Point2f* spot = probe.spots.data();
   for (int row = 0; row < tent.rows; ++row)
-    for (int column = 0; column < tent.cols; ++column, ++spot) {
+    for (int column = 0; column < tent.cols; ++column, ++spot, ++moments) {
       const cv::Vec2d v(box_mean(flow[0], *spot, probe.reach), box_mean(flow[1], *spot, probe.reach));
-      const cv::Vec2d turned = probe.turn * v * (rate * tent.at<float>(row, column));
+      const cv::Vec2d turned = probe.turn * v * rate;
+      moments->sum += count * turned;
+      moments->squares += count * turned.dot(turned);
+      const cv::Vec2d weighted = turned * tent.at<float>(row, column);
       squares.at<cv::Vec2f>(probe.corner.y + row, probe.corner.x + column) +=
-          cv::Vec2f(static_cast<float>(turned[0]), static_cast<float>(turned[1]));
+          cv::Vec2f(static_cast<float>(weighted[0]), static_cast<float>(weighted[1]));
     }
 }
 
 /// The patches' motion in flow frames of one slab, in ascending order. held: the clip's flow, null: it is decoded.
+/// counts   of output frames that show each.
 /// listed   of the grid, the squares that any of the patches lies on.
-void sum_slab(std::span<const ShownFlow> slab, const NeededFlow& flow, const HeldFlow* held,
-              std::span<const Probe> probes, const SquareGrid& grid, std::span<const std::uint32_t> listed,
-              std::span<std::vector<cv::Vec2f>> sums) {
+/// moments  patch by patch, square by square: added to.
+void sum_slab(std::span<const ShownFlow> slab, std::span<const int> counts, const NeededFlow& flow,
+              const HeldFlow* held, std::span<const Probe> probes, const SquareGrid& grid,
+              std::span<const std::uint32_t> listed, std::span<std::vector<cv::Vec2f>> sums,
+              std::span<Moments> moments) {
   const std::uint32_t first = slab.front().at;
   std::optional<DecodedFlow> decoded;
   if (!held) decoded.emplace(flow, first, slab.back().at - first + 1);
@@ -253,11 +267,26 @@ void sum_slab(std::span<const ShownFlow> slab, const NeededFlow& flow, const Hel
     if (held)
       for (cv::Mat& plane : planes) plane = plane(flow.samples - held->samples.tl());
     squares.setTo(cv::Scalar::all(0));
-    for (const Probe& probe : probes)
-      add_patch(probe, planes, flow.px_per_s[slab[i].at] * slab[i].rate, grid.tent, squares);
+    for (std::size_t k = 0; k < probes.size(); ++k)
+      add_patch(probes[k], planes, flow.px_per_s[slab[i].at] * slab[i].rate, counts[i], grid.tent, squares,
+                moments.data() + k * grid.tent.total());
     sums[i].reserve(listed.size());
     for (const std::uint32_t square : listed) sums[i].push_back(squares.ptr<cv::Vec2f>()[square]);
   }
+}
+
+/// Adds the variance of each patch's motion over so many frames, weighted by its tent. moments: as of sum_slab.
+void add_variance(std::span<const Moments> moments, std::span<const Probe> probes, double frames,
+                  const SquareGrid& grid, cv::Mat& variance) {
+  auto one = moments.begin();
+  for (const Probe& probe : probes)
+    for (int row = 0; row < grid.tent.rows; ++row)
+      for (int column = 0; column < grid.tent.cols; ++column, ++one) {
+        const cv::Vec2d mean = one->sum / frames;
+        variance.at<float>(probe.corner.y + row, probe.corner.x + column) +=
+            grid.tent.at<float>(row, column) *
+            static_cast<float>(std::max(0.0, one->squares / frames - mean.dot(mean)));
+      }
 }
 
 /// The squares that any of the patches lies on, ascending.
@@ -313,7 +342,8 @@ constexpr std::size_t kMinKept = 64, kKeptBytes = 64 << 20;
 
 struct MotionSequence::Impl {
   SquareGrid grid;
-  cv::Mat mass;  // CV_32F: weights of each square
+  cv::Mat mass;      // CV_32F: weights of each square
+  cv::Mat variance;  // CV_32F: of each patch's motion over time, (px/s)^2, times its weight
   std::vector<Group> groups;
   cv::Size picture;
   double piece_scale = 1;
@@ -325,6 +355,17 @@ struct MotionSequence::Impl {
   };
   std::mutex mutex;
   std::vector<Kept> kept;  // frame i at i modulo their number
+
+  /// Values of squares in the middles of others, of `step` px.
+  cv::Mat sampled(const cv::Mat& of_squares, int step, cv::Size size) const {
+    // Sample (x, y) lies in the middle of its square.
+    const double middle = (step - 1) / 2.0;
+    const cv::Matx33d picture_from_samples(step, 0, middle, 0, step, middle, 0, 0, 1);
+    cv::Mat out;
+    cv::warpAffine(of_squares, out, squares_from_picture * picture_from_samples, size,
+                   cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+    return out;
+  }
 
   cv::Mat squares(int i) {
     Kept& place = kept[static_cast<std::size_t>(i) % kept.size()];
@@ -362,6 +403,7 @@ MotionSums::MotionSums(const store::Snapshot& snapshot, const vision::Settings& 
   MotionSequence::Impl& sequence = *impl_->sequence;
   sequence.grid = grid_of(placement, picture);
   sequence.mass = cv::Mat::zeros(sequence.grid.size, CV_32F);
+  sequence.variance = sequence.mass.clone();
   sequence.picture = picture;
   sequence.piece_scale = placement.piece_scale;
   const std::size_t fit =
@@ -402,11 +444,28 @@ void MotionSums::add(const PlayedPatches& group, const HeldFlow* held) {
   for (std::size_t i = 0; i < distinct.size(); ++i)
     if (i == 0 || distinct[i].at / kSlab != distinct[i - 1].at / kSlab) slabs.push_back(i);
   slabs.push_back(distinct.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, slabs.size() - 1, [&](std::size_t i) {
-    const std::size_t first = slabs[i], count = slabs[i + 1] - first;
-    sum_slab(std::span(distinct).subspan(first, count), flow, held, probes, sequence.grid, made.squares,
-             std::span(made.sums).subspan(first, count));
-  });
+  std::vector<int> counts(distinct.size(), 0);
+  for (const std::uint32_t one : made.shows) ++counts[one];
+  using Sums = std::vector<Moments>;
+  const Sums moments = oneapi::tbb::parallel_deterministic_reduce(
+      oneapi::tbb::blocked_range<std::size_t>(0, slabs.size() - 1),
+      Sums(probes.size() * sequence.grid.tent.total()),
+      [&](const oneapi::tbb::blocked_range<std::size_t>& range, Sums sum) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const std::size_t from = slabs[i], count = slabs[i + 1] - from;
+          sum_slab(std::span(distinct).subspan(from, count), std::span(counts).subspan(from, count), flow,
+                   held, probes, sequence.grid, made.squares, std::span(made.sums).subspan(from, count), sum);
+        }
+        return sum;
+      },
+      [](Sums sum, const Sums& more) {
+        for (std::size_t i = 0; i < sum.size(); ++i) {
+          sum[i].sum += more[i].sum;
+          sum[i].squares += more[i].squares;
+        }
+        return sum;
+      });
+  add_variance(moments, probes, static_cast<double>(shown.size()), sequence.grid, sequence.variance);
 }
 
 MotionSequence MotionSums::means() && { return MotionSequence(std::move(impl_->sequence)); }
@@ -426,14 +485,16 @@ std::size_t MotionSequence::bytes() const {
 cv::Mat MotionSequence::at(int i) const { return at(i, 1, impl_->picture); }
 
 cv::Mat MotionSequence::at(int i, int step, cv::Size size) const {
-  // Sample (x, y) lies in the middle of its square.
-  const double middle = (step - 1) / 2.0;
-  const cv::Matx33d picture_from_samples(step, 0, middle, 0, step, middle, 0, 0, 1);
-  cv::Mat field;
-  cv::warpAffine(impl_->squares(i) * impl_->piece_scale, field,
-                 impl_->squares_from_picture * picture_from_samples, size,
-                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
-  return field;
+  return impl_->sampled(impl_->squares(i) * impl_->piece_scale, step, size);
+}
+
+cv::Mat MotionSequence::own_variance(int step, cv::Size size) const {
+  const cv::Mat covered = impl_->mass > 0;
+  cv::Mat mean, trust;
+  cv::divide(impl_->variance, impl_->mass, mean, impl_->piece_scale * impl_->piece_scale);
+  mean.setTo(0, ~covered);
+  covered.convertTo(trust, CV_32F, 1 / 255.0);
+  return impl_->sampled(sampling::pull_push(mean, trust), step, size);
 }
 
 }  // namespace freshet::synth::animate

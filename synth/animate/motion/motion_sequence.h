@@ -53,6 +53,10 @@ class MotionSequence {
   /// The same, sampled in the middles of squares of `step` px of the picture: CV_32FC2 of `size`.
   cv::Mat at(int i, int step, cv::Size size) const;
 
+  /// Variance over time of a patch's motion before it is mixed, limited and smoothed, mean over the patches that lie on
+  /// a place; beyond the pieces that of the nearest goes on. Sampled as at(): CV_32F, (px/s)^2.
+  cv::Mat own_variance(int step, cv::Size size) const;
+
   /// Held for all frames.
   std::size_t bytes() const;
 

@@ -148,11 +148,27 @@ TEST(OwnFlames, KeepTheirLayoutAtTheirFootAlone) {
   const FlowingStore store({clip});
   const cv::Rect tip(90, 40, 40, 36), foot(84, 116, 52, 12);
   const auto changed = [&](Layout layout, const cv::Rect& where) {
-    const Made made = made_with(store, with_layout(layout, 20));
-    return cv::norm(made.frames.back()(where), kPicture.draw()(where), cv::NORM_L1);
+    double sum = 0;
+    for (const cv::Mat& frame : made_with(store, with_layout(layout, 20)).frames)
+      sum += cv::norm(frame(where), kPicture.draw()(where), cv::NORM_L1);
+    return sum;
   };
   EXPECT_GT(changed(Layout::kMeasured, tip), 0.9 * changed(Layout::kGoes, tip));
   EXPECT_GT(std::abs(changed(Layout::kMeasured, foot) / changed(Layout::kGoes, foot) - 1), 0.2);
+}
+
+TEST(OwnFlames, AreCarriedFasterThanTheyAreToBeSeenToGo) {
+  const FlowingStore store({rising()});
+  const auto mean_step = [&](AnimateOptions options) {
+    cv::Scalar sum;
+    options.motion_sink = [&](const cv::Mat& motion) { sum += cv::mean(motion); };
+    made_with(store, options);
+    return sum[1] / options.frames;
+  };
+  AnimateOptions whole = by_itself(12);
+  whole.method = CarriedOptions{};
+  for (const AnimateOptions& options : {by_itself(12), whole})
+    EXPECT_NEAR(mean_step(options), -1.5 * 1.6, 0.1);
 }
 
 TEST(OwnFlames, TurnNeitherGreyNorBlue) {

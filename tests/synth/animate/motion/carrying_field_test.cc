@@ -16,8 +16,10 @@ constexpr double kFps = 25;
 constexpr int kStep = 4, kFrames = 19;
 const cv::Size kPicture(100, 70);
 
-/// A clip that flows by (2, -1) px a frame and varies about it, laid over the whole picture.
-std::shared_ptr<const MotionSequence> sequence_of(const FlowingStore& store, int frames = kFrames) {
+/// A clip that flows by (2, -1) px a frame and varies about it, laid over the whole picture. shift: px of the clip that
+/// lie between neighbouring patches, 24 as pieces do.
+std::shared_ptr<const MotionSequence> sequence_of(const FlowingStore& store, int frames = kFrames,
+                                                  int shift = 24) {
   Placement placement{.side = 48, .stride = 24, .patches = {}};
   PlayedPatches played{.clip = store.id(), .patches = {}, .shown = {}};
   for (int row = 0; row < 3; ++row)
@@ -26,7 +28,7 @@ std::shared_ptr<const MotionSequence> sequence_of(const FlowingStore& store, int
       placement.patches.push_back({.piece = {24 * column - 8, 24 * row - 8},
                                    .clip = store.id(),
                                    .variant = {},
-                                   .patch = cv::Point(24 * column + 8, 24 * row + 8)});
+                                   .patch = cv::Point(shift * column + 8, shift * row + 8)});
     }
   for (int i = 0; i < frames; ++i)
     played.shown.push_back({.frame = static_cast<std::uint32_t>(i), .rate = 1});
@@ -55,7 +57,7 @@ TEST(CarryingField, VariesAsThePatchesDoTurnedAndScaledAsTheirMeanIs) {
   const FlowingStore store({kClip});
   const auto sequence = sequence_of(store);
   // The assigned mean is (50, -25) px/s: asked is it turned by a quarter and doubled, so fluctuations are too.
-  const CarryingField field(sequence, asked(50, 100), kFrames, kFps, kStep, false, {});
+  const CarryingField field(sequence, asked(50, 100), kFrames, kFps, kStep, false, {.max_regain = 1});
   cv::Mat mean = cv::Mat::zeros(field.size(), CV_32FC2);
   for (int i = 0; i < kFrames; ++i) mean += sequence->at(i, kStep, field.size()) / kFrames;
   const cv::Point middle(field.size().width / 2, field.size().height / 2);
@@ -79,6 +81,20 @@ double varies(const MotionSequence& sequence, const CarryingField& field, int x)
     own += apart(sequence.at(i, kStep, field.size()), sequence.at(i + 1, kStep, field.size()));
   }
   return found / own;
+}
+
+TEST(CarryingField, WhatMixingTakesOfThePatchesOwnMotionIsGivenBack) {
+  const FlowingStore store({{.size = {400, 300}, .steady = {2.0f, -1.0f}, .varying = 0.6f}});
+  const auto found = [&](const std::shared_ptr<const MotionSequence>& sequence, double most) {
+    const CarryingField field(sequence, asked(50, -25), kFrames, kFps, kStep, false,
+                              {.max_regain = most, .max_of_asked = 0});
+    return varies(*sequence, field, 12);
+  };
+  const auto in_step = sequence_of(store), out_of_step = sequence_of(store, kFrames, 48);
+  EXPECT_NEAR(found(out_of_step, 1), 1, 0.1);
+  EXPECT_GT(found(out_of_step, 2), 1.6);
+  EXPECT_NEAR(found(out_of_step, 1.2), 1.2, 0.1);
+  EXPECT_LT(found(in_step, 2), 1.3);  // what is lost by smoothing
 }
 
 TEST(CarryingField, FlamesLeapAsTheirPatchesHoweverSlowlyTheyAreToRiseAndStandWhereTheyAreTo) {

@@ -94,6 +94,25 @@ TEST(MotionSequence, FramesThatLieFurtherApartMoveNoFaster) {
                Error);
 }
 
+TEST(MotionSequence, TellsHowMuchEachPatchDiffersFromItsMean) {
+  FlowingClip clip{.size = {220, 180}, .frames = 40, .steady = {2.0f, -1.0f}, .varying = 0};
+  clip.rates.assign(39, kFps);
+  for (int i = 0; i < 39; i += 2) clip.rates[static_cast<std::size_t>(i)] = 2 * kFps;
+  const FlowingStore store({clip});
+  Placement placement = placement_of(store.id(), {}, {20, 20});
+  placement.piece_scale = 1.5;
+  // Patches that go fast while others are slow: what they do together is even. A frame that is shown again counts so.
+  std::vector<PlayedPatches> played(2, {.clip = store.id(), .patches = {}, .shown = {}});
+  for (std::size_t p = 0; p < placement.patches.size(); ++p) played[p % 2].patches.push_back(p);
+  played[0].shown = shown({0, 0, 33, 1});
+  played[1].shown = shown({33, 1, 0, 0});
+  const cv::Size size(25, 17);
+  const cv::Mat variance =
+      sequence_of(store.snapshot(), store.settings(), placement, played, {100, 70}, 4).own_variance(4, size);
+  const double half = 0.5 * std::hypot(2, 1) * kFps * placement.piece_scale;  // twice as fast, and as slow
+  EXPECT_LT(cv::norm(variance, cv::Mat(size, CV_32F, cv::Scalar(half * half)), cv::NORM_INF), 1);
+}
+
 /// The same, square by square and sample by sample, for one upright or mirrored variant at scale 1.
 cv::Mat obvious_squares(const FlowingClip& clip, const Placement& placement, std::uint32_t frame, double rate,
                         cv::Size grid) {
@@ -201,12 +220,14 @@ TEST(MotionSequence, IsTheSameForAnyNumberOfThreadsAndOrderOfFrames) {
         sequence_of(store.snapshot(), store.settings(), placement, played, {100, 70}, 4);
     std::vector<cv::Mat> motion;
     for (int i = 0; i < 4; ++i) motion.push_back(sequence.at(i));
+    motion.push_back(sequence.own_variance(4, {25, 17}));
     return motion;
   };
   const auto reference = made(1, shown({3, 12, 20, 28}));
   for (const int threads : {2, 8}) {
     const auto motion = made(threads, shown({3, 12, 20, 28}));
-    for (int i = 0; i < 4; ++i) EXPECT_EQ(cv::norm(motion[i], reference[i], cv::NORM_INF), 0);
+    for (std::size_t i = 0; i < motion.size(); ++i)
+      EXPECT_EQ(cv::norm(motion[i], reference[i], cv::NORM_INF), 0);
   }
   const auto backwards = made(2, shown({28, 20, 12, 3}));
   for (int i = 0; i < 4; ++i) EXPECT_EQ(cv::norm(backwards[i], reference[3 - i], cv::NORM_INF), 0);
@@ -233,6 +254,10 @@ TEST(MotionSequence, IsTheSameOfFlowThatIsInMemory) {
     EXPECT_GT(cv::norm(sequences[0].at(i), cv::NORM_INF), 5) << i;
     EXPECT_EQ(cv::norm(sequences[0].at(i), sequences[1].at(i), cv::NORM_INF), 0) << i;
   }
+  const auto variance = [&](int k) {
+    return sequences[static_cast<std::size_t>(k)].own_variance(4, {25, 17});
+  };
+  EXPECT_EQ(cv::norm(variance(0), variance(1), cv::NORM_INF), 0);
 }
 
 // It was 115 KB a frame at 1280 x 720.
