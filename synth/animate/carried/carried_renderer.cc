@@ -66,7 +66,7 @@ constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to
 constexpr double kShareReach = 1;   // pieces: neighbours stand alike
 // Flames are carried this much faster than they are to be seen to go, for their feet stand, and what rises has often
 // gone out before it arrives; and where they are asked to go, the limit of what they do beside is this much wider.
-constexpr float kFlamesCarried = 1.5f;
+constexpr float kFlamesCarried = 1.25f;
 constexpr double kFlamesBeside = 2;
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
@@ -251,7 +251,6 @@ class CarriedRenderer final : public Renderer {
     if (options_.innovations) {
       innovations_.emplace(animation_, still_.luma, options_.resampling, *options_.innovations);
       innovations_->measure(motion);
-      if (options_.level_sink.take) innovations_->settle_levels();
       animation_.report.renewed = innovations_->overall();
     } else {
       // Of the clips' flow alone.

@@ -35,6 +35,7 @@ void Innovations::measure(MotionSums& motion) {
     add_motion(animation_, layer, motion);
   });
   renewal_.settle();
+  levels_.settle();
 }
 
 std::vector<double> Innovations::shares(int levels, double begun) const {

@@ -27,10 +27,13 @@ constexpr std::size_t kMinKept = 24, kKeptBytes = 32 << 20;
 float length(const cv::Vec2f& v) { return std::hypot(v[0], v[1]); }
 
 /// Fluctuations about the assigned mean, turned, bounded, and added to the mean that is asked. Pairs.
-FRESHET_WIDE void fluctuate(const float* assigned, const float* turn, const float* mean, const float* limit,
-                            int n, float* v) {
+/// together  faster_together: by what the patches do as a whole no place gains
+/// regained  part of the turn, >= 1
+FRESHET_WIDE void fluctuate(const float* assigned, const float* turn, const float* regained, float together,
+                            const float* mean, const float* limit, int n, float* v) {
   for (int x = 0; x < n; ++x) {
-    const float a = v[2 * x] - assigned[2 * x], b = v[2 * x + 1] - assigned[2 * x + 1];
+    const float as = 1 + together * (1 - 1 / regained[x]);
+    const float a = v[2 * x] - as * assigned[2 * x], b = v[2 * x + 1] - as * assigned[2 * x + 1];
     const float du = a * turn[2 * x] - b * turn[2 * x + 1], dv = a * turn[2 * x + 1] + b * turn[2 * x];
     const double u = du, w = dv;
     const auto size = static_cast<float>(std::sqrt(u * u + w * w));
@@ -59,13 +62,30 @@ cv::Mat variance_about(const cv::Mat& mean, const std::vector<cv::Mat>& fields) 
   return out;
 }
 
+/// By how much a field goes faster than the mean as a whole, of 1: of a frame that was filmed twice, -1.
+double faster_together(const cv::Mat& field, const cv::Mat& mean) {
+  double along = 0, power = 0;
+  for (int y = 0; y < mean.rows; ++y)
+    for (int x = 0; x < mean.cols; ++x) {
+      const cv::Vec2f& of_mean = mean.at<cv::Vec2f>(y, x);
+      along += field.at<cv::Vec2f>(y, x).dot(of_mean);
+      power += of_mean.dot(of_mean);
+    }
+  return power > 0 ? along / power - 1 : 0;
+}
+
 /// Deviations of patches' own motion over those of their mixture, around each place: 1 .. most. own, mixed: variances.
-cv::Mat lost_by_mixing(cv::Mat own, const cv::Mat& mixed, int step, double most) {
+/// together: what of both is done together, which mixing keeps.
+cv::Mat lost_by_mixing(const cv::Mat& own, const cv::Mat& mixed, const cv::Mat& together, int step,
+                       double most) {
   const double sigma = kMixedOver_px / step;
-  cv::Mat around, out;
-  cv::GaussianBlur(own, own, {}, sigma, sigma, cv::BORDER_REPLICATE);
-  cv::GaussianBlur(mixed, around, {}, sigma, sigma, cv::BORDER_REPLICATE);
-  cv::sqrt(own / (around + kHardly), out);
+  const auto around = [&](const cv::Mat& variance) {
+    cv::Mat out;
+    cv::GaussianBlur(variance - together, out, {}, sigma, sigma, cv::BORDER_REPLICATE);
+    return cv::Mat(cv::max(out, kHardly));
+  };
+  cv::Mat out;
+  cv::sqrt(around(own) / around(mixed), out);
   return cv::min(cv::max(out, 1.0), most);
 }
 
@@ -131,9 +151,20 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
   assigned_ = cv::Mat::zeros(size, CV_32FC2);
   for (const cv::Mat& field : fields) assigned_ += field;
   assigned_ /= measured;
+  double uneven = 0;
+  for (const cv::Mat& field : fields) {
+    const double faster = faster_together(field, assigned_);
+    uneven += faster * faster / measured;
+  }
+  cv::Mat together(size, CV_32F);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const cv::Vec2f mean = assigned_.at<cv::Vec2f>(y, x);
+      together.at<float>(y, x) = static_cast<float>(uneven) * mean.dot(mean);
+    }
   const cv::Mat mixed = variance_about(assigned_, fields);
-  const cv::Mat regained =
-      lost_by_mixing(sequence_->own_variance(step_, size), mixed, step_, options.max_regain);
+  regained_ =
+      lost_by_mixing(sequence_->own_variance(step_, size), mixed, together, step_, options.max_regain);
   const cv::Mat least = least_scales(mean_, step, options.least_scale);
   turn_ = turn_between(assigned_, mean_, step, least) * (options.variation / fps);
   mean_ /= fps;
@@ -141,8 +172,10 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
       cv::Vec2f& turn = turn_.at<cv::Vec2f>(y, x);
-      turn *= regained.at<float>(y, x);
-      power.at<float>(y, x) = turn.dot(turn) * mixed.at<float>(y, x);
+      const float regained = regained_.at<float>(y, x), as_one = together.at<float>(y, x);
+      power.at<float>(y, x) =
+          turn.dot(turn) * (regained * regained * std::max(mixed.at<float>(y, x) - as_one, 0.0f) + as_one);
+      turn *= regained;
     }
   activity_.create(size, CV_32F);
   for (int y = 0; y < size.height; ++y)
@@ -210,9 +243,10 @@ cv::Mat CarryingField::made(int frame) const {
   if (stands_after_[frame] != stands_for_[frame])
     cv::addWeighted(field, 1 - fraction_[frame], sequence_->at(stands_after_[frame], step_, size()),
                     fraction_[frame], 0, field);
+  const auto together = static_cast<float>(faster_together(field, assigned_));
   for (int y = 0; y < field.rows; ++y)
-    fluctuate(assigned_.ptr<float>(y), turn_.ptr<float>(y), mean_.ptr<float>(y), limit_.ptr<float>(y),
-              field.cols, field.ptr<float>(y));
+    fluctuate(assigned_.ptr<float>(y), turn_.ptr<float>(y), regained_.ptr<float>(y), together,
+              mean_.ptr<float>(y), limit_.ptr<float>(y), field.cols, field.ptr<float>(y));
   return field;
 }
 

@@ -16,7 +16,8 @@ struct CarryingOptions {
   /// Of the patches' own flow about its mean, how much the carrying motion follows: 0 is a steady field.
   double variation = 1;
   /// Patches that overlap are mixed, and fluctuate less together than each does by itself: what is lost is given back,
-  /// up to this many times. Clouds, smoke and fires lose about half (1.8 to 2.5 times), water less (1 to 1.2).
+  /// up to this many times. Clouds, smoke and fires lose about half (1.8 to 2.5 times), water less (1 to 1.2). What
+  /// they do together is not lost: frames that were filmed twice would make a sky go to and fro.
   double max_regain = 2;
   /// Fluctuations are limited to this many times their root mean square at the place: where flow fails, it
   /// fails by much, and one wrong place would tear the picture.
@@ -67,6 +68,7 @@ class CarryingField {
   cv::Mat mean_;      // CV_32FC2, px a frame: asked
   cv::Mat assigned_;  // CV_32FC2, px/s: the sequence's own mean
   cv::Mat turn_;      // CV_32FC2: fluctuations are multiplied by this complex number, frames a px/s
+  cv::Mat regained_;  // CV_32F, 1 .. max_regain: how much of it gives back what mixing lost
   cv::Mat activity_;  // CV_32F
   cv::Mat limit_;     // CV_32F, px a frame
   std::vector<int> stands_for_;    // by frame: the frame whose flow is used before it ...

@@ -168,7 +168,7 @@ TEST(OwnFlames, AreCarriedFasterThanTheyAreToBeSeenToGo) {
   AnimateOptions whole = by_itself(12);
   whole.method = CarriedOptions{};
   for (const AnimateOptions& options : {by_itself(12), whole})
-    EXPECT_NEAR(mean_step(options), -1.5 * 1.6, 0.1);
+    EXPECT_NEAR(mean_step(options), -1.25 * 1.6, 0.1);
 }
 
 TEST(OwnFlames, TurnNeitherGreyNorBlue) {

@@ -97,6 +97,18 @@ TEST(CarryingField, WhatMixingTakesOfThePatchesOwnMotionIsGivenBack) {
   EXPECT_LT(found(in_step, 2), 1.3);  // what is lost by smoothing
 }
 
+TEST(CarryingField, WhatPatchesDoTogetherIsNotGivenBack) {
+  FlowingClip clip{.size = {400, 300}, .steady = {2.0f, -1.0f}, .varying = 0.3f};
+  clip.rates.assign(19, kFps);
+  for (int i = 0; i < 19; i += 4) clip.rates[static_cast<std::size_t>(i)] = 1;  // all but stands
+  const FlowingStore store({clip});
+  const auto sequence = sequence_of(store, kFrames, 48);
+  const CarryingField field(sequence, asked(50, -25), kFrames, kFps, kStep, false, {.max_of_asked = 0});
+  double least = 1;
+  for (int i = 0; i < kFrames; ++i) least = std::min(least, cv::mean(field.at(i))[0]);
+  EXPECT_NEAR(least, 0, 0.3);  // and does not go back
+}
+
 TEST(CarryingField, FlamesLeapAsTheirPatchesHoweverSlowlyTheyAreToRiseAndStandWhereTheyAreTo) {
   for (const float steady : {2.0f, 0.0f}) {
     const FlowingStore store({{.size = {220, 180}, .steady = {steady, -steady / 2}, .varying = 0.6f}});
