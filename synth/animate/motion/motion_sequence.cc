@@ -27,6 +27,7 @@ namespace {
 
 constexpr float kFastest = 2.5f;     // times the mean speed of a frame
 constexpr double kSmoothing = 1.25;  // squares
+constexpr double kStill = 0.25;      // of its neighbours' mean speed: a step between two equal frames
 constexpr int kSquare = 8;           // px: finer than flow is true, fine enough for a flame's edge
 constexpr std::uint32_t kSlab = stored::DecodedTiles::kFrames;  // decoded together
 
@@ -275,6 +276,30 @@ void sum_slab(std::span<const ShownFlow> slab, std::span<const int> counts, cons
   }
 }
 
+double speed_of(const std::vector<cv::Vec2f>& sums) {
+  double speed = 0;
+  for (const cv::Vec2f& sum : sums) speed += std::hypot(sum[0], sum[1]);
+  return speed;
+}
+
+/// A clip brought to a higher rate shows a frame twice now and then, where all stands: such a step goes as the mean of
+/// those before and after it. Returns how many output frames show one.
+int go_on_through_repeats(std::span<const ShownFlow> flows, std::span<const int> counts,
+                          std::span<std::vector<cv::Vec2f>> sums) {
+  std::vector<double> speed;
+  for (const std::vector<cv::Vec2f>& of : sums) speed.push_back(speed_of(of));
+  const auto follows = [&](std::size_t i) {
+    return flows[i].at == flows[i - 1].at + 1 && flows[i].rate == flows[i - 1].rate;
+  };
+  int repeats = 0;
+  for (std::size_t i = 1; i + 1 < flows.size(); ++i) {
+    if (!follows(i) || !follows(i + 1) || speed[i] >= kStill * (speed[i - 1] + speed[i + 1]) / 2) continue;
+    for (std::size_t k = 0; k < sums[i].size(); ++k) sums[i][k] = (sums[i - 1][k] + sums[i + 1][k]) / 2;
+    repeats += counts[i];
+  }
+  return repeats;
+}
+
 /// Adds the variance of each patch's motion over so many frames, weighted by its tent. moments: as of sum_slab.
 void add_variance(std::span<const Moments> moments, std::span<const Probe> probes, double frames,
                   const SquareGrid& grid, cv::Mat& variance) {
@@ -465,7 +490,9 @@ void MotionSums::add(const PlayedPatches& group, const HeldFlow* held) {
         }
         return sum;
       });
-  add_variance(moments, probes, static_cast<double>(shown.size()), sequence.grid, sequence.variance);
+  const int repeats = go_on_through_repeats(distinct, counts, made.sums);  // no patch moves there
+  add_variance(moments, probes, static_cast<double>(shown.size()) - repeats, sequence.grid,
+               sequence.variance);
 }
 
 MotionSequence MotionSums::means() && { return MotionSequence(std::move(impl_->sequence)); }

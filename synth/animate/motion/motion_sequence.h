@@ -39,7 +39,7 @@ struct HeldFlow {
 /// The motion M_i of the synthesised animation. It is the flow of the assigned patches' clips at the frames
 /// that are shown, turned and scaled into their variants and averaged over squares of some 8 px. Where pieces
 /// overlap it is mixed by weights that fall from each piece's middle. Beyond the pieces the motion of the
-/// nearest goes on.
+/// nearest goes on. Where a clip shows a frame twice (25 frames a second brought to 30), all go on as before and after.
 ///
 /// Memory: by clip frame that is shown, not by output frame: 8 bytes for each square that a clip's patches lie on.
 /// Frames are put together of these when they are asked for, and the last ones kept: 64,

@@ -113,6 +113,24 @@ TEST(MotionSequence, TellsHowMuchEachPatchDiffersFromItsMean) {
   EXPECT_LT(cv::norm(variance, cv::Mat(size, CV_32F, cv::Scalar(half * half)), cv::NORM_INF), 1);
 }
 
+TEST(MotionSequence, GoesOnWhereAClipShowsAFrameTwice) {
+  FlowingClip clip{.size = {220, 180}, .frames = 20, .steady = {2.0f, -1.0f}, .varying = 0};
+  clip.rates.assign(19, kFps);
+  clip.rates[7] = kFps / 100;
+  const FlowingStore store({clip});
+  const Placement placement = placement_of(store.id(), {}, {20, 20});
+  const auto of = [&](std::initializer_list<std::uint32_t> frames) {
+    return sequence_of(store.snapshot(), store.settings(), placement,
+                       std::vector{all_of(placement, shown(frames))}, {100, 70},
+                       static_cast<int>(frames.size()));
+  };
+  const MotionSequence whole = of({5, 6, 7, 8, 9});
+  EXPECT_NEAR(whole.at(2).at<cv::Vec2f>(30, 50)[0], 2 * kFps, 0.01);
+  EXPECT_LT(cv::norm(whole.own_variance(4, {25, 17}), cv::NORM_INF), 1);
+  // What stands longer than a step has come to rest.
+  EXPECT_NEAR(of({6, 7}).at(1).at<cv::Vec2f>(30, 50)[0], 2 * clip.rates[7], 0.01);
+}
+
 /// The same, square by square and sample by sample, for one upright or mirrored variant at scale 1.
 cv::Mat obvious_squares(const FlowingClip& clip, const Placement& placement, std::uint32_t frame, double rate,
                         cv::Size grid) {
