@@ -67,7 +67,7 @@ constexpr double kShareReach = 1;   // pieces: neighbours stand alike
 // Flames are carried this much faster than they are to be seen to go, for their feet stand, and what rises has often
 // gone out before it arrives; and where they are asked to go, the limit of what they do beside is this much wider.
 constexpr float kFlamesCarried = 1.25f;
-constexpr double kFlamesBeside = 2;
+constexpr double kFlamesBeside = 1.3;
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
 CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
@@ -251,6 +251,7 @@ class CarriedRenderer final : public Renderer {
     if (options_.innovations) {
       innovations_.emplace(animation_, still_.luma, options_.resampling, *options_.innovations);
       innovations_->measure(motion);
+      if (options_.level_sink.take) innovations_->settle_levels();
       animation_.report.renewed = innovations_->overall();
     } else {
       // Of the clips' flow alone.
@@ -280,7 +281,8 @@ class CarriedRenderer final : public Renderer {
   void lay_copies() {
     const FrameOptions& frames = animation_.options;
     CarryingOptions carrying = options_.carrying;
-    if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0;
+    // Where nothing is asked fluctuations have no limit: with what mixing took of them they went to and fro.
+    if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0, carrying.max_regain = 1;
     if (places_class(animation_, kFire)) {
       carrying.least_scale = 1;
       carrying.max_of_asked *= kFlamesBeside;

@@ -35,7 +35,6 @@ void Innovations::measure(MotionSums& motion) {
     add_motion(animation_, layer, motion);
   });
   renewal_.settle();
-  levels_.settle();
 }
 
 std::vector<double> Innovations::shares(int levels, double begun) const {

@@ -49,6 +49,8 @@ class Innovations {
   void advance(std::span<const int> outputs, const CarryingField& field);
   /// How much lighter than usual the patches are in a frame, on the canvas, luma. Safe from many threads.
   cv::Mat level(int output) const { return levels_.at(output); }
+  /// After measure(), before liveliest_level().
+  void settle_levels() { levels_.settle(); }
   /// Of the liveliest around each place (SharedLevels). deviation: at most, luma.
   cv::Mat liveliest_level(int output, double deviation) const { return levels_.liveliest(output, deviation); }
   /// Adds a frame's detail, and this level, to its luma; once for each that was advanced to and is wanted. begun: of

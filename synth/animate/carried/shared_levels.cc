@@ -26,24 +26,18 @@ void SharedLevels::settle() {
   cv::sqrt(variance, deviation);
   weights_ = variance + kLeast * kLeast;
   all_weights_ = lattice_.over_canvas(weights_, reach_);
-  const auto deviation_of = [&](const auto& mean_of) {
-    cv::Mat power = cv::Mat::zeros(all_weights_.size(), CV_32F);
-    for (std::size_t i = 0; i < levels_.size(); i += every) {
-      const cv::Mat shown = mean_of(levels_[i]);
-      power += share * shown.mul(shown);
-    }
-    cv::sqrt(power, power);
-    return cv::Mat(cv::max(power, kLeast));
-  };
-  const auto mean = [&](const cv::Mat& values) { return lattice_.over_canvas(values, reach_); };
-  const auto weighed = [&](const cv::Mat& values) { return weighed_mean(values); };
-  gain_ = cv::min(cv::max(mean(deviation) / deviation_of(mean), 1.0), kMostGain);
-  wanted_ = weighed(deviation);
-  found_ = deviation_of(weighed);
+  wanted_ = weighed_mean(deviation);
+  found_ = cv::Mat::zeros(all_weights_.size(), CV_32F);
+  for (std::size_t i = 0; i < levels_.size(); i += every) {
+    const cv::Mat shown = weighed_mean(levels_[i]);
+    found_ += share * shown.mul(shown);
+  }
+  cv::sqrt(found_, found_);
+  found_ = cv::max(found_, kLeast);
 }
 
 cv::Mat SharedLevels::at(int output) const {
-  return gain_.mul(lattice_.over_canvas(levels_[static_cast<std::size_t>(output)], reach_));
+  return lattice_.over_canvas(levels_[static_cast<std::size_t>(output)], reach_);
 }
 
 cv::Mat SharedLevels::liveliest(int output, double deviation) const {

@@ -15,7 +15,7 @@ namespace freshet::synth::animate {
 /// other: means over a Gaussian neighbourhood. What neighbours do together stays.
 class SharedLevels {
  public:
-  /// What means of patches that are not in step have lost is given back, up to this many times.
+  /// What means of patches that are not in step have lost is given back to liveliest() up to this.
   static constexpr double kMostGain = 2;
 
   /// reach  pieces: sigma of the neighbourhood.
@@ -24,7 +24,7 @@ class SharedLevels {
   /// How much lighter than on average a patch is in an output frame, luma. Each patch and frame once, patches from many
   /// threads.
   void set(std::size_t patch, int output, float level);
-  /// After all of them.
+  /// After all of them, before liveliest(); at() needs none.
   void settle();
 
   /// The canvas (canvas_of), CV_32F. Safe from many threads.
@@ -41,7 +41,6 @@ class SharedLevels {
   double reach_;
   std::vector<cv::Mat> levels_;  // by output frame, on the lattice
   cv::Mat weights_;              // on the lattice
-  cv::Mat gain_;                 // on the canvas: of at()
   cv::Mat all_weights_, found_,
       wanted_;  // on the canvas: their sum; deviation of their mean, and their mean deviation
 };
