@@ -282,7 +282,10 @@ class CarriedRenderer final : public Renderer {
     const FrameOptions& frames = animation_.options;
     CarryingOptions carrying = options_.carrying;
     // Where nothing is asked fluctuations have no limit: with what mixing took of them they went to and fro.
-    if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0, carrying.max_regain = 1;
+    if (frames.guide.empty() && !frames.guide.horizon) {
+      carrying.max_of_asked = 0;
+      carrying.max_regain = 1;
+    }
     if (places_class(animation_, kFire)) {
       carrying.least_scale = 1;
       carrying.max_of_asked *= kFlamesBeside;
