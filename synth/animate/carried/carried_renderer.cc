@@ -281,7 +281,7 @@ class CarriedRenderer final : public Renderer {
   void lay_copies() {
     const FrameOptions& frames = animation_.options;
     CarryingOptions carrying = options_.carrying;
-    // Where nothing is asked fluctuations have no limit: with what mixing took of them they went to and fro.
+    // Where nothing is asked fluctuations have no limit: with what mixing lost given back, skies went to and fro.
     if (frames.guide.empty() && !frames.guide.horizon) {
       carrying.max_of_asked = 0;
       carrying.max_regain = 1;

@@ -17,7 +17,7 @@ constexpr float kMinTurnScale =
     0.25;  // and by at least this, where the patches have no mean motion to speak of
 constexpr double kSlowFraction = 0.2;  // of the mean speed: slower places have no direction of their own
 constexpr double kSmoothing_px = 16;   // the turn is smooth, where strokes meet slow places
-constexpr double kHardly = 1e-6;       // (px/s)^2
+constexpr double kHardly = 1e-6;       // (px/s)^2: a variance below is none
 constexpr double kMixedOver_px = 32;   // sigma, over which what mixing takes is told
 constexpr float kStands = 0.2f, kIsAsked = 1;  // px/s; a stroke of speed 0 asks for .1
 constexpr int kMeasured = 64;                  // frames that means and limits are measured on
@@ -62,7 +62,7 @@ cv::Mat variance_about(const cv::Mat& mean, const std::vector<cv::Mat>& fields) 
   return out;
 }
 
-/// By how much a field goes faster than the mean as a whole, of 1: of a frame that was filmed twice, -1.
+/// By how much a field goes faster than the mean as a whole, of 1: -1 where all stands for a frame.
 double faster_together(const cv::Mat& field, const cv::Mat& mean) {
   double along = 0, power = 0;
   for (int y = 0; y < mean.rows; ++y)

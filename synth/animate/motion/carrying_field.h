@@ -17,7 +17,7 @@ struct CarryingOptions {
   double variation = 1;
   /// Patches that overlap are mixed, and fluctuate less together than each does by itself: what is lost is given back,
   /// up to this many times. Clouds, smoke and fires lose about half (1.8 to 2.5 times), water less (1 to 1.2). What
-  /// they do together is not lost: frames that were filmed twice would make a sky go to and fro.
+  /// they do together is not lost: an uneven pace, doubled, would make a sky go to and fro.
   double max_regain = 2;
   /// Fluctuations are limited to this many times their root mean square at the place: where flow fails, it
   /// fails by much, and one wrong place would tear the picture.
