@@ -34,6 +34,12 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
+// How far places of a copy of flames are astray in its own frame: no farther than they go while it shows, and than this
+// share of the way to where there is no flame (light below this, evened), or a narrow flame would have holes. It is
+// evened with this sigma. Water, clouds and smoke come again no more than in footage, and what is straight there would
+// bend.
+constexpr double kAstray_px = 20, kAstrayShare = 0.4, kAstrayEven_px = 16;
+constexpr double kNoFlame = 0.12;  // luma
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
 // Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the
@@ -405,6 +411,7 @@ class CarriedRenderer final : public Renderer {
         std::clamp(kMaxWander_px * scale / (fastest() * frames.fps), kMinWander_s, kMaxWander_s);
     CopyOptions copies = copy_options(half_life_s_);
     copies.wander = static_cast<int>(std::lround(wander_s * frames.fps));
+    if (places_class(animation_, kFire)) copies.astray = astray(copies.interval);
     copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(), copies,
                     std::nullopt, other_way_);
     standing_.emplace(planes, still_.alpha, shares_that_stand());
@@ -475,6 +482,20 @@ class CarriedRenderer final : public Renderer {
     cv::Mat deep;
     cv::extractChannel((base_ ? base_ : texture_base_)->places().own(), deep, 0);
     return speed_per_frame(*field_, deep, kFast);
+  }
+
+  /// CopyOptions::astray of flames.
+  cv::Mat astray(int interval) const {
+    const double scale = animation_.placement.piece_scale, sigma = kAstrayEven_px * scale / step_px_;
+    cv::Mat lit, deep_px;
+    cv::resize(still_.luma.mul(still_.alpha), lit, field_->size(), 0, 0, cv::INTER_AREA);
+    cv::GaussianBlur(lit, lit, {}, sigma, sigma, cv::BORDER_REPLICATE);
+    cv::copyMakeBorder(lit > kNoFlame, lit, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(255));
+    cv::distanceTransform(lit, deep_px, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    deep_px = deep_px(cv::Rect({1, 1}, field_->size())) * (kAstrayShare * step_px_);
+    cv::Mat out = cv::min(cv::min(interval * field_->activity(), deep_px), kAstray_px * scale);
+    cv::GaussianBlur(out, out, {}, sigma, sigma, cv::BORDER_REPLICATE);
+    return out;
   }
 
   CopyOptions copy_options(double life_s) const {

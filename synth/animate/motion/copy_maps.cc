@@ -39,7 +39,9 @@ constexpr float kShallow = 1e-3f;
 constexpr float kGuessed = 0.04f, kGuessedFrom_px = 16;
 constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
 constexpr int kKeptEvery = 16;                             // frames
-constexpr std::uint64_t kSeed = 0x636f70696573, kSeedOfStarts = 0x737461727473;
+constexpr std::uint64_t kSeed = 0x636f70696573, kSeedOfStarts = 0x737461727473,
+                        kSeedOfAstray = 0x617374726179;
+constexpr double kAstrayPatch = 2;  // patches, over which places are astray together
 // Of copies that begin displaced.
 constexpr int kDrawn = 16;                           // displacements to choose from
 constexpr double kLeastAway = 0.5;                   // of the spread
@@ -105,18 +107,18 @@ int nearest_divisor(int whole, int wanted) {
 }
 
 /// Smooth noise in -1..1 that is level over `patch` samples; evenly spread, so that as many places live early as late.
-cv::Mat smooth_noise(cv::Size size, double patch, std::uint64_t stream) {
+/// how  cv::INTER_CUBIC: with a slope that does not jump from cell to cell, and seldom up to 1.9.
+cv::Mat smooth_noise(cv::Size size, double patch, const Random& random, int how = cv::INTER_LINEAR) {
   // Drawn on a coarse grid that goes beyond the field by one cell.
   const auto cells = [&](int n) { return static_cast<int>(std::ceil(n / patch)) + 3; };
   cv::Mat coarse(cells(size.height), cells(size.width), CV_32F), out;
-  const Random random(kSeed, stream);
   for (int y = 0; y < coarse.rows; ++y)
     for (int x = 0; x < coarse.cols; ++x)
       coarse.at<float>(y, x) =
           2 * random.at(static_cast<std::uint64_t>(y) * 65536 + static_cast<std::uint64_t>(x)) - 1;
   const double unit = 1 / patch;
-  cv::warpAffine(coarse, out, cv::Matx23d(unit, 0, 1, 0, unit, 1), size,
-                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  cv::warpAffine(coarse, out, cv::Matx23d(unit, 0, 1, 0, unit, 1), size, how | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_REPLICATE);
   return out;
 }
 
@@ -311,6 +313,19 @@ cv::Point CopyMaps::start(int number, cv::Mat& fits) const {
   return best;
 }
 
+/// By how many px each place of a copy is astray in the copy's own frame.
+cv::Mat CopyMaps::astray(int number) const {
+  std::array<cv::Mat, 2> parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Random random(kSeedOfAstray, 2 * static_cast<std::uint64_t>(this->number(number)) + i);
+    parts[i] = smooth_noise(places_.size(), kAstrayPatch * options_.patch, random, cv::INTER_CUBIC);
+    cv::multiply(parts[i], options_.astray, parts[i]);
+  }
+  cv::Mat out;
+  cv::merge(parts.data(), parts.size(), out);
+  return out;
+}
+
 /// Sources of a copy's frames in [first, end), as far as it is alive.
 void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
   const int own = own_frame(number);
@@ -319,11 +334,12 @@ void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
   copy.sources.erase(copy.sources.begin(), copy.sources.lower_bound(first));
   if (first >= end) return;
   if (copy.later.empty()) {
-    copy.later =
-        smooth_noise(places_.size(), options_.patch, static_cast<std::uint64_t>(this->number(number)));
+    copy.later = smooth_noise(places_.size(), options_.patch,
+                              Random(kSeed, static_cast<std::uint64_t>(this->number(number))));
     copy.later *= options_.stagger;
     const cv::Point away = starts_ && this->number(number) != 0 ? start(number, copy.fits) : cv::Point();
     copy.latest = {own, cv::Mat(places_.size(), CV_32FC2, cv::Scalar(step_ * away.x, step_ * away.y))};
+    if (this->number(number) != 0 && !options_.astray.empty()) copy.latest.second += astray(number);
     // Kept at fixed distances from its own frame: what is found again is the same to the bit.
     cv::Mat source = copy.latest.second;
     copy.earlier.emplace(own, source);

@@ -38,6 +38,10 @@ struct CopyOptions {
   /// life, and may be beyond its life: else copies would show what stands in the picture at a place, and it would
   /// come again with every one of them. Frames; at least an interval is taken.
   int wander = 48;
+  /// Places of a copy, but for that which is the still, are astray in that frame, across and down by this times smooth
+  /// noise (-1 to 1, seldom up to 1.9) that two patches share: px, CV_32F, sampled as the field. It should change
+  /// slowly, or the copy folds. Empty: nothing is; where the copy shows then, the picture comes again.
+  cv::Mat astray{};
   /// The places of a copy live up to this many intervals earlier or later than its middle, 0..1.
   double stagger = 1;
   /// Over which places live and go together, samples.
@@ -95,7 +99,7 @@ class CopyMaps {
   void prepare(int first, int count);
   /// The copies that show in a prepared frame. Safe from many threads.
   std::vector<CopyMap> at(int i) const;
-  /// The output frame in which a copy is as the picture.
+  /// The output frame in which a copy is as the picture, but for what is astray.
   int own_frame(int copy) const;
   /// How far frame i is the picture itself: 1 in frame 0, falling to 0 within an interval, in a loop to both sides.
   double still(int i) const;
@@ -120,6 +124,7 @@ class CopyMaps {
   int number(int copy) const;  // the same for copies a loop apart
   cv::Mat fit(cv::Point away) const;
   cv::Point start(int number, cv::Mat& fits) const;
+  cv::Mat astray(int number) const;
   int middle(int copy) const { return copy * options_.interval; }
   void carry(int number, Copy& copy, int first, int end) const;
   cv::Mat suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from) const;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -103,6 +104,35 @@ TEST(CarriedRenderer, OfWatersDetailLessIsFollowedThanLives) {
   EXPECT_NEAR(half_life_s("water", 1), 0.4, 0.01);
   EXPECT_NEAR(half_life_s("water", 0.5f), 0.25, 0.01);
   EXPECT_NEAR(half_life_s("water", 0.2f), 0.2, 0.01);
+}
+
+TEST(CarriedRenderer, FlamesDoNotComeAgainAsTheyWere) {
+  cv::Mat picture(100, 480, CV_8UC3), coarse(25, 120, CV_8U);
+  cv::randu(coarse, 60, 250);
+  cv::resize(coarse, coarse, picture.size(), 0, 0, cv::INTER_CUBIC);
+  cv::merge(std::vector<cv::Mat>(3, coarse), picture);
+  // How like the still a frame becomes once more.
+  const auto comes_again = [&](const char* class_name) {
+    AnimateOptions options;
+    options.frames = kFrames;
+    options.method = CarriedOptions{};
+    options.guide.direction = cv::Mat(picture.size(), CV_32FC2, cv::Scalar(1, 0));
+    options.guide.speed = cv::Mat(picture.size(), CV_32F, cv::Scalar(200));
+    std::vector<cv::Mat> frames;
+    animate_second(picture, {}, 0.6f, 1, class_name, options,
+                   [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
+    const cv::Rect middle(120, 20, 240, 60);
+    float most = -1;
+    for (std::size_t i = 6; i < frames.size(); ++i) {
+      cv::Mat like;
+      cv::matchTemplate(frames[i](middle), frames[0](middle), like, cv::TM_CCOEFF_NORMED);
+      most = std::max(most, like.at<float>(0, 0));
+    }
+    return most;
+  };
+  const float smoke = comes_again("smoke"), fire = comes_again("fire");
+  EXPECT_GT(smoke, 0.6);
+  EXPECT_LT(fire, smoke - 0.2f);
 }
 
 /// Dark water on which light stands: crumbs of it between these columns.

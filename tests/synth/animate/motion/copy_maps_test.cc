@@ -28,10 +28,12 @@ cv::Mat everywhere(int i) {
   return cv::Mat(kSize, CV_32FC2, cv::Scalar(v[0], v[1]));
 }
 
-CopyMaps blown_copies(int loop_frames = 0) {
-  return CopyMaps(everywhere, alone(kFluid), kStep,
-                  {.interval = kInterval, .loop_frames = loop_frames, .wander = 30, .patch = 6});
+CopyMaps blown_copies(int loop_frames = 0, const cv::Mat& astray = {}) {
+  return CopyMaps(
+      everywhere, alone(kFluid), kStep,
+      {.interval = kInterval, .loop_frames = loop_frames, .wander = 30, .astray = astray, .patch = 6});
 }
+const cv::Mat kAstray(kSize, CV_32F, cv::Scalar(10));
 
 TEST(CopyMaps, SourcesAreTheSumOfTheStepsFromTheCopysOwnFrame) {
   CopyMaps maps = blown_copies();
@@ -73,6 +75,29 @@ TEST(CopyMaps, WeightsSumToOneWhereCopiesGoWithThePlaceAndOneCopyShowsMost) {
   }
   EXPECT_GT(least_in_all, 0.6);
   EXPECT_GT(most, 0.75);  // weights of (1 + cos) / 3 have .57
+}
+
+TEST(CopyMaps, PlacesAreAstrayInTheCopysOwnFrameWhereTheyAreAskedToBe) {
+  // Without motion sources are what they are in the own frame; on the left half nothing is to be astray.
+  constexpr float kMost = 10;
+  cv::Mat astray(kSize, CV_32F, cv::Scalar(kMost));
+  astray.colRange(0, kSize.width / 2) = 0;
+  CopyMaps maps([](int) { return cv::Mat(cv::Mat::zeros(kSize, CV_32FC2)); }, alone(kFluid), kStep,
+                {.interval = kInterval, .wander = 30, .astray = astray, .patch = 3});
+  std::set<float> found;
+  for (int i = 0; i < 6 * kInterval; ++i) {
+    maps.prepare(i, 1);
+    for (const CopyMap& copy : maps.at(i)) {
+      EXPECT_EQ(cv::norm(copy.source.colRange(0, kSize.width / 2), cv::NORM_INF), 0) << i;
+      const cv::Mat goes = copy.source.colRange(kSize.width / 2, kSize.width);
+      EXPECT_LT(cv::norm(goes, cv::NORM_INF), 1.9 * kMost) << i;
+      found.insert(static_cast<float>(cv::norm(goes, cv::NORM_L2) /
+                                      std::sqrt(2.0 * static_cast<double>(goes.total()))));
+    }
+  }
+  EXPECT_EQ(*found.begin(), 0);  // the picture itself, with which a film begins
+  EXPECT_GE(found.size(), 6U);   // the others are unlike each other,
+  EXPECT_GT(*std::next(found.begin()), 0.2 * kMost);
 }
 
 TEST(CopyMaps, PlacesGoOverToAnotherCopyAtTimesOfTheirOwn) {
@@ -298,8 +323,23 @@ TEST(CopyMaps, OfALoopTheDisplacementsComeAgainToo) {
   }
 }
 
+TEST(CopyMaps, OfALoopPlacesAreAstrayAlikeAgainAndTheStillIsNotAtAll) {
+  constexpr int kLoop = 5 * kInterval;
+  CopyMaps maps = blown_copies(kLoop, kAstray);
+  maps.prepare(kLoop, kLoop + 1);
+  // By how much a copy is astray in its own frame.
+  const auto astray = [&](int copy) {
+    const int own = maps.own_frame(copy);
+    double least = 1e9;
+    for (const CopyMap& one : maps.at(own)) least = std::min(least, cv::norm(one.source, cv::NORM_INF));
+    return least;
+  };
+  EXPECT_EQ(astray(5), 0) << "the still, once more";
+  EXPECT_GT(astray(6), 2);
+}
+
 TEST(CopyMaps, AreTheSameWhateverIsPreparedAtOnce) {
-  CopyMaps one = blown_copies(), many = blown_copies();
+  CopyMaps one = blown_copies(0, kAstray), many = blown_copies(0, kAstray);
   many.prepare(0, 40);
   for (int i = 0; i < 40; ++i) {
     one.prepare(i, 1);
