@@ -14,6 +14,7 @@
 #include "query/labelling/labelling.h"
 #include "studio/drawing/document.h"
 #include "studio/opened_store.h"
+#include "synth/takes/pace.h"
 
 namespace freshet::studio {
 
@@ -24,7 +25,7 @@ struct LabelledPicture {
   query::Labelling labelling;
   std::vector<bool> pinned;          // of each piece
   std::vector<std::string> notices;  // for a person: what was guessed, what was left out
-  double filmed_speed;               // synth::takes::filmed_speed
+  synth::takes::Filmed filmed_speed;
 };
 
 /// The request that the command line makes of a project.toml of this document.

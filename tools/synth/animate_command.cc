@@ -175,7 +175,7 @@ void pace_it(const store::Snapshot& snapshot, AnimateInputs& inputs, const query
                     inputs.pace,
                     synth::judging::speed_of(kind, inputs.pace == "auto" ? "natural" : inputs.pace,
                                              inputs.loaded.picture.size()),
-                    kind.empty() ? "all kinds" : kind, paced.filmed, paced.factor));
+                    kind.empty() ? "all kinds" : kind, paced.filmed.mean, paced.factor));
   inputs.pace.clear();
 }
 
