@@ -598,22 +598,24 @@ test("a motion is drawn, simulated and given a clip's look; the command lines ma
   await page.keyboard.press("c");
   await page.keyboard.press("Space");
   await until(async () => !(await film.evaluate((video) => video.paused)));
+  const project = at("room/projects/still");
+  const filmed = join(project, "ways/design/film.mp4");
   await page.getByRole("combobox", { name: "Clip" }).selectOption("fall/1.mkv");
   await page.getByRole("button", { name: "Make it" }).click();
-  await page.getByRole("button", { name: "Stop" }).waitFor();
   const lines = page.locator(".command code");
   await until(async () => (await lines.count()) === 2);
+  // By its film, not by *Stop*: it may be made before that is seen.
+  await until(async () => existsSync(filmed));
   await page.getByRole("button", { name: "Make it" }).waitFor();
   await film.waitFor();
   await page.waitForFunction(() => globalThis.document.querySelector("video.film").currentTime > 0.1);
   await shot(page, "design-look");
-  const project = at("room/projects/still");
-  const made = readFileSync(join(project, "ways/design/film.mp4"));
+  const made = readFileSync(filmed);
   for (const line of await lines.allTextContents()) {
     const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: project, encoding: "utf8" });
     assert.equal(again.status, 0, again.stderr);
   }
-  assert.ok(made.equals(readFileSync(join(project, "ways/design/film.mp4"))));
+  assert.ok(made.equals(readFileSync(filmed)));
   // It becomes a layer over the picture, which plays at once.
   await page.getByRole("button", { name: "Lay it over the picture" }).click();
   await page.getByRole("slider", { name: "Begins after" }).fill("0.4");
