@@ -14,9 +14,10 @@ namespace freshet::synth::takes {
 /// How fast what is assigned goes inside a matte, as it was filmed, px/s.
 struct Filmed {
   double mean = 0;
-  double usual =
-      0;  // the geometric mean over clips of their pieces' means; one counts as a tenth of `mean` at least
+  /// The geometric mean over clips of their pieces' means; a clip counts as a tenth of `mean` at least.
+  double usual = 0;
 };
+
 /// matte    CV_8U, the assigned picture's size.
 /// Throws   as animate::placement_from and animate::motion_field.
 Filmed filmed_speed(const store::Snapshot& snapshot, const vision::Settings& settings,

@@ -36,8 +36,7 @@ namespace {
 constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
 // How far places of a copy of flames are astray in its own frame: no farther than they go while it shows, and than this
 // share of the way to where there is no flame (light below this, evened), or a narrow flame would have holes. It is
-// evened with this sigma. Water, clouds and smoke come again no more than in footage, and what is straight there would
-// bend.
+// evened with this sigma. Water and smoke come again no more than in footage; below clouds what is straight would bend.
 constexpr double kAstray_px = 20, kAstrayShare = 0.4, kAstrayEven_px = 16;
 constexpr double kNoFlame = 0.12;  // luma
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.

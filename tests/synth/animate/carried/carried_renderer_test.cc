@@ -108,7 +108,7 @@ TEST(CarriedRenderer, OfWatersDetailLessIsFollowedThanLives) {
 
 TEST(CarriedRenderer, FlamesDoNotComeAgainAsTheyWere) {
   cv::Mat picture(100, 480, CV_8UC3), coarse(25, 120, CV_8U);
-  cv::randu(coarse, 60, 250);
+  cv::RNG(3).fill(coarse, cv::RNG::UNIFORM, 60, 250);
   cv::resize(coarse, coarse, picture.size(), 0, 0, cv::INTER_CUBIC);
   cv::merge(std::vector<cv::Mat>(3, coarse), picture);
   // How like the still a frame becomes once more.
