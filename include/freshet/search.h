@@ -17,7 +17,8 @@
 namespace freshet {
 
 struct SearchOptions {
-  /// Only clips of this class; "any": of all; empty: of the class that the picture surely looks like, or of all.
+  /// Only clips of this class; "any": of all; empty: of the class that the picture looks most like, or, where the
+  /// store has none of it, of all.
   std::string class_name{};
   /// Where the fluid goes, degrees as seen on the screen: 0 right, 90 up, 180 left, 270 down: patches that go
   /// elsewhere pay for it, and are turned. Without effect beside a guide that has directions. Nothing: any.

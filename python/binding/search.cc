@@ -84,7 +84,8 @@ void bind_search(py::module_& module) {
 
 picture        (height, width, 3), uint8 BGR.
 matte          (height, width), uint8, 255 where the fluid is; None: everywhere.
-class_name     Only clips of this class; "any": of all; "": of the class that the picture surely looks like, or of all.
+class_name     Only clips of this class; "any": of all; "": of the class that the picture looks most like, or, where the
+               store has none of it, of all.
 direction_deg  Where the fluid goes as seen: 0 right, 90 up, 180 left, 270 down; None: any, or guessed (guess).
 narrow         Only patches that move so, within direction_tolerance_deg (degrees to either side), or the guide's.
 guide          MotionGuide: where and how fast, pixel by pixel.

@@ -27,10 +27,6 @@ KindChoice choose_kind(const store::Snapshot& snapshot, const SearchBase& base, 
 
   const std::string name(choice.look.name());
   const std::string seems = fmt::format("looks like {} ({:.2f})", name, choice.look.sureness());
-  if (!choice.look.sure()) {
-    choice.words = seems + ", which is unsure: all classes may be mixed; --class says which it is";
-    return choice;
-  }
   CandidateOptions narrowed = candidates;
   narrowed.class_name = name;
   try {
@@ -45,7 +41,10 @@ KindChoice choose_kind(const store::Snapshot& snapshot, const SearchBase& base, 
     return choice;
   }
   candidates.class_name = choice.taken = name;
-  choice.words = fmt::format("{}: {} only; --class any for all", seems, name);
+  choice.words =
+      choice.look.sure()
+          ? fmt::format("{}: {} only; --class any for all", seems, name)
+          : fmt::format("{}, unsure: {} only; --class says which it is, or any for all", seems, name);
   return choice;
 }
 

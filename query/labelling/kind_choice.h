@@ -21,9 +21,9 @@ struct KindChoice {
   std::string words{};
 };
 
-/// Narrows `candidates` to the class that the picture surely looks like, where they say no class and the store has
-/// clips of it that pass their conditions. Classes are never mixed unless the look is unsure,
-/// the store lacks it, or kAnyClass is said.
+/// Narrows `candidates` to the class that the picture looks most like, where they say no class and the store has clips
+/// of it that pass their conditions; an unsure look too, for it is mostly right (docs/measurements/critic.md), and
+/// mixed classes share no motion. They are mixed only where the store lacks it, or for kAnyClass.
 /// picture, matte   as search_candidates takes them.
 /// Throws           as search_candidates, for conditions that nothing passes.
 KindChoice choose_kind(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,

@@ -13,6 +13,7 @@ struct ShownKind {
   std::string name;
   double share = 1;  // of the pieces
   bool asked = false, seen = false;
+  bool sure = true;  // what is seen
 };
 ShownKind shown_kind(const std::string& asked_class, const KindChoice& choice, const Assignment& assignment);
 

@@ -61,7 +61,7 @@ std::string take_words(const Assumed& assumed, const judging::Verdict& verdict,
       assumed.kind.name.empty() ? "any kind" : assumed.kind.name,
       assumed.kind.asked ? ""
       : assumed.kind.seen
-          ? ", as it looks (--class)"
+          ? assumed.kind.sure ? ", as it looks (--class)" : ", as it may look (--class)"
           : fmt::format(", as {:.0f} % of its patches are (--class)", 100 * assumed.kind.share),
       assumed.direction_asked ? "the direction asked" : "no direction asked (--strokes)",
       verdict.of(judging::Measure::kSpeed).reading.value, assumed.speed_asked ? " as asked" : "",

@@ -10,7 +10,7 @@ void SearchOptions::add_to(CLI::App& command) {
   command.add_option(
       "--class", options_.class_name,
       "Only clips of this class (see freshet store info), or any: of all [the class that the picture looks "
-      "like; all where that is unsure]");
+      "most like; all where the store lacks it]");
   command.add_option(
       "--direction", direction_,
       "Direction of the flow: up, down, left, right, up-left, ..., or degrees (0 right, 90 up) [any]");

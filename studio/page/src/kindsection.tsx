@@ -26,7 +26,7 @@ export function KindSection({ document }: { document: Document }): JSX.Element |
       </div>
       {seen && !seen.sure && classes.length > 1 && (
         <p class="hint">
-          It may be {seen.class} ({Math.round(100 * seen.share)} %). Say which it is, or several kinds may be mixed.
+          It may be {seen.class} ({Math.round(100 * seen.share)} %). Say which it is.
         </p>
       )}
       {paces && (

@@ -121,13 +121,15 @@ TEST_F(Kinds, AStoreOfOneClassIsNotAskedAbout) {
   EXPECT_EQ(prepared("").kind.words, "");
 }
 
-TEST_F(Kinds, AnUnsureLookMixesAndAsks) {
+TEST_F(Kinds, AnUnsureLookTakesTheLikeliestClassAndAsks) {
   fill(kMixed);
   CandidateOptions candidates;
   const cv::Mat flat(240, 320, CV_8UC3, cv::Scalar::all(90)), all(240, 320, CV_8U, cv::Scalar(255));
   const KindChoice choice = choose_kind(*snapshot_, *base_, flat, all, candidates);
-  EXPECT_EQ(choice.taken, "");
-  EXPECT_EQ(candidates.class_name, "");
+  ASSERT_FALSE(choice.look.sure());
+  EXPECT_EQ(choice.taken, choice.look.name());
+  EXPECT_EQ(candidates.class_name, choice.taken);
+  EXPECT_NE(choice.words.find("unsure"), std::string::npos) << choice.words;
   EXPECT_NE(choice.words.find("--class says which"), std::string::npos) << choice.words;
   EXPECT_THROW(choose_kind(*snapshot_, *base_, flat, all.rowRange(0, 9), candidates), Error);
 }
