@@ -15,6 +15,7 @@
 #include "synth/animate/clips/piece_lives.h"
 #include "synth/animate/clips/piece_standing.h"
 #include "synth/animate/motion/copy_maps.h"
+#include "synth/animate/motion/deformation.h"
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
 #include "synth/animate/placement/piece_values.h"
@@ -69,6 +70,13 @@ constexpr double kFollowed = 0.4, kLeastFollowed_s = 0.25;
 constexpr double kWholeFrom_s = 0.7, kWholeSure_s = 1, kBodiesFrom_s = 0.9, kBodiesSure_s = 1.3;
 constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to another copy as a whole
 constexpr double kShareReach = 1;   // pieces: neighbours stand alike
+// Strain over two half-lives, for which a copy shows: clouds and smoke that are drawn out by so much would be torn, and
+// their layout stands. So does all of it where a vortex is asked, or a painted swirl would be wound up, and its stars.
+constexpr double kTornFrom = 0.6, kTornSure = 1.5, kVortexFrom = 0.82, kVortexSure = 0.92;
+constexpr double kLeastFluid = 1e-3;  // of a place's surroundings
+constexpr double kHardlyTorn =
+    0.1;  // of what stands so, with its surroundings: no more than a place here and there
+constexpr double kTornFlames = 0.3;  // CopyOptions::torn: flames are drawn out as they rise
 // Flames are carried this much faster than they are to be seen to go, for their feet stand, and what rises has often
 // gone out before it arrives; and where they are asked to go, the limit of what they do beside is this much wider.
 constexpr float kFlamesCarried = 1.25f;
@@ -384,12 +392,34 @@ class CarriedRenderer final : public Renderer {
       shares[level] *= options_.wide_layout;
     for (cv::Mat& share : shares)
       share = canvas.sampled(lattice.over_canvas(share, kShareReach), field_->step(), field_->size());
+    if (const cv::Mat torn = torn_apart(); !torn.empty())
+      for (cv::Mat& share : shares) cv::max(share, torn, share);
     if (!options_.freed.empty()) {
       cv::Mat kept;
       cv::resize(1 - options_.freed, kept, field_->size(), 0, 0, cv::INTER_AREA);
       for (cv::Mat& share : shares) cv::multiply(share, kept, share);
     }
     return LayoutShare(std::move(shares), still_.alpha);
+  }
+
+  /// How far clouds and smoke would be torn that go: CV_32F, 0..1, sampled as the field. Of other fluid: empty.
+  cv::Mat torn_apart() const {
+    if (!places_class(animation_, kClouds) && !places_class(animation_, kSmoke)) return {};
+    cv::Mat motion, way, mass, out;
+    cv::resize(still_.asked_motion, motion, field_->size(), 0, 0, cv::INTER_AREA);
+    out = strain_rate(motion, step_px_) * (2 * half_life_s_);
+    for (int y = 0; y < out.rows; ++y)
+      for (int x = 0; x < out.cols; ++x) {
+        auto& torn = out.at<float>(y, x);
+        torn = static_cast<float>(smoothstep(kTornFrom, kTornSure, static_cast<double>(torn)));
+      }
+    const double sigma = kLifePatch_px * animation_.placement.piece_scale / step_px_;
+    cv::GaussianBlur(out.mul(fluid_), out, {}, sigma, sigma, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(fluid_, mass, {}, sigma, sigma, cv::BORDER_REPLICATE);
+    out = cv::max((out / (mass + kLeastFluid) - kHardlyTorn) / (1 - kHardlyTorn), 0);
+    const cv::Mat& asked = animation_.options.guide.direction;
+    if (!asked.empty()) cv::resize(asked, way, field_->size(), 0, 0, cv::INTER_AREA);
+    return cv::max(out, smoothstep(kVortexFrom, kVortexSure, vortex(way, fluid_)));
   }
 
   /// The picture as a long exposure along its motion, and the copies that are carried over it. Returns the exposure's
@@ -410,7 +440,10 @@ class CarriedRenderer final : public Renderer {
         std::clamp(kMaxWander_px * scale / (fastest() * frames.fps), kMinWander_s, kMaxWander_s);
     CopyOptions copies = copy_options(half_life_s_);
     copies.wander = static_cast<int>(std::lround(wander_s * frames.fps));
-    if (places_class(animation_, kFire)) copies.astray = astray(copies.interval);
+    if (places_class(animation_, kFire)) {
+      copies.astray = astray(copies.interval);
+      copies.torn = kTornFlames;
+    }
     copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(), copies,
                     std::nullopt, other_way_);
     standing_.emplace(planes, still_.alpha, shares_that_stand());

@@ -21,9 +21,11 @@
 namespace freshet::synth::animate {
 
 enum class Layout {
-  kMeasured,  // by place and band as the layout of the patches there does (layout_shares)
-  kGoes,      // all goes
-  kStands,    // its texture alone goes
+  /// By place and band as the layout of the patches there does (layout_shares); of clouds and smoke also where they
+  /// would be torn, and all of it where a vortex is asked.
+  kMeasured,
+  kGoes,    // all goes
+  kStands,  // its texture alone goes
 };
 
 /// Takes how much lighter than usual the liveliest patches are in an output frame, in the share that has begun: CV_32F
@@ -73,7 +75,7 @@ struct CarriedOptions {
 /// is brought back, what stands in the patches stands in the picture (StandingDetail), and what comes anew in the
 /// patches comes anew in it (Innovations). Where the layout stands, its texture alone is carried (StandingLayout,
 /// LayoutShare). Light and colour of wide places are the picture's throughout (StandingColour), but where the patches'
-/// wide forms go and live long, as clouds do: these go whole, and nothing of them stands. Sparkles on water are lit
+/// wide forms go and live long, as clouds do: these go whole, but where they would be torn. Sparkles on water are lit
 /// and go out where they are (Glitter).
 /// Frame 0 is the picture.
 /// Source: not in Okabe et al. 2011; see the parts.

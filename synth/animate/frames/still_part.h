@@ -39,8 +39,8 @@ StillPart read_still(const Animation& animation);
 /// Colour from luminance over 12 px of a piece of its own size. still  its target, luma and alpha.
 ColourModel colours_of(const StillPart& still, double piece_scale);
 
-/// The classes of fluid that falls, glitters and ripples, and that leaps.
-inline constexpr const char *kWater = "water", *kFire = "fire";
+/// The classes of fluid that falls, glitters and ripples, that leaps, and that drifts.
+inline constexpr const char *kWater = "water", *kFire = "fire", *kSmoke = "smoke", *kClouds = "clouds";
 
 /// Whether more than half of the patches are of clips of this class.
 bool places_class(const Animation& animation, const std::string& name);

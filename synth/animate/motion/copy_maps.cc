@@ -26,8 +26,8 @@ constexpr float kLumaApart = 0.15f, kColourApart = 0.09f;  // surroundings that 
 constexpr float kPast = 5e-3f;
 // Of all that shows: a copy with less is left out, and the others have that much less, so that nothing goes at once.
 constexpr float kFaint = 6e-3f;
-constexpr float kTorn = 0.3f,
-                kEven = 0.65f;  // of its size: how far a copy's forms may be drawn out or squeezed
+// Of their size, beyond CopyOptions::torn: so little drawn out or squeezed, a copy's forms count in full.
+constexpr float kTears = 0.35f;
 // Of all copies together, before they are brought to a sum of 1: where less goes with a place, the long exposure shows
 // with them.
 constexpr float kWanted = 0.05f;
@@ -35,8 +35,9 @@ constexpr float kUneven = 0.03f;    // what such a copy still counts: more than 
 constexpr double kEvenOver_px = 8;  // sigma
 constexpr float kLeast = 1e-6f;     // so that some copy shows everywhere
 constexpr float kShallow = 1e-3f;
-// Of what comes from beyond the picture's sides, from so far on: a copy that need not guess shows.
-constexpr float kGuessed = 0.04f, kGuessedFrom_px = 16;
+// Of what comes from beyond the picture's sides, from so far on, less than kPast: rather than a mirror a copy shows
+// that need not guess, be it past its time.
+constexpr float kGuessed = 0.004f, kGuessedFrom_px = 16;
 constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
 constexpr int kKeptEvery = 16;                             // frames
 constexpr std::uint64_t kSeed = 0x636f70696573, kSeedOfStarts = 0x737461727473,
@@ -147,11 +148,11 @@ FRESHET_WIDE void compare_depths(const float* brought, const float* own, int n, 
   }
 }
 
-/// How evenly copies are laid out about places, 0..1: what is drawn out to thrice its length is strings and haze, what
-/// is squeezed as much crumbs. By the singular values of the map from places to their sources. Pairs of a row, those of
-/// the rows above and below, n of each, and by what differences across and down are multiplied.
+/// How evenly copies are laid out about places, 0..1: what is drawn out is strings and haze, what is squeezed as much
+/// crumbs, and what is folded over a mirror. By the singular values of the map from places to their sources. Pairs of a
+/// row, those of the rows above and below, n of each, and by what differences across and down are multiplied.
 FRESHET_WIDE void find_evenness(const float* left, const float* right, const float* above, const float* below,
-                                float per_across, float per_down, int n, float* out) {
+                                float per_across, float per_down, float torn, int n, float* out) {
   for (int x = 0; x < n; ++x) {
     const float a = 1 + (right[2 * x] - left[2 * x]) * per_across,
                 c = (right[2 * x + 1] - left[2 * x + 1]) * per_across;
@@ -160,16 +161,16 @@ FRESHET_WIDE void find_evenness(const float* left, const float* right, const flo
     const float total = a * a + b * b + c * c + d * d, area = a * d - b * c;
     const float spread = total * total - 4 * area * area, over = spread < 0.0f ? 0.0f : spread;
     const float largest = 0.5f * (total + std::sqrt(over));
-    const float root = std::sqrt(largest), least = std::abs(area) / root, inverse = 1 / root;
+    const float root = std::sqrt(largest), least = (area < 0.0f ? 0.0f : area) / root, inverse = 1 / root;
     const float even = inverse < least ? inverse : least;
-    const float from = (even - kTorn) / (kEven - kTorn);
+    const float from = (even - torn) * (1 / kTears);
     const float low = from < 0.0f ? 0.0f : from, found = 1.0f < low ? 1.0f : low;
     out[x] = largest > 0 ? found : 0.0f;
   }
 }
 
 /// The same for all places of a map.
-cv::Mat evenness(const cv::Mat& source, int step) {
+cv::Mat evenness(const cv::Mat& source, int step, float torn) {
   cv::Mat out(source.size(), CV_32F);
   const float per_px = 1 / static_cast<float>(step);
   const int n = source.cols;
@@ -182,10 +183,10 @@ cv::Mat evenness(const cv::Mat& source, int step) {
     const auto one = [&](int x) {
       const int left = std::max(x - 1, 0), right = std::min(x + 1, n - 1);
       find_evenness(row + 2 * left, row + 2 * right, above + 2 * x, below + 2 * x,
-                    per_px / static_cast<float>(std::max(right - left, 1)), per_down, 1, to + x);
+                    per_px / static_cast<float>(std::max(right - left, 1)), per_down, torn, 1, to + x);
     };
     one(0);
-    if (n > 2) find_evenness(row, row + 4, above + 2, below + 2, per_px / 2, per_down, n - 2, to + 1);
+    if (n > 2) find_evenness(row, row + 4, above + 2, below + 2, per_px / 2, per_down, torn, n - 2, to + 1);
     if (n > 1) one(n - 1);
   }
   return out;
@@ -385,11 +386,14 @@ double CopyMaps::still(int i) const {
   return smoothstep(0.0, 1.0, 1 - static_cast<double>(away) / options_.interval);
 }
 
-/// How well what a copy brings goes with each place, > 0. from: places of its sources, in samples.
-cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from) const {
+/// How well what a copy brings goes with each place, > 0. from: places of its sources, in samples. sound: 0..1, less
+/// where it is guessed, drawn out or folded; what is so only waits behind other copies.
+cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from,
+                              cv::Mat& sound) const {
   constexpr float kNothing = 14;  // of unlikeness, halved: exp(-14) is less than kLeast
-  cv::Mat even = evenness(source, step_), brought, fits, out(places_.size(), CV_32F),
-          within(from.size(), CV_32FC2), known(from.size(), CV_32F);
+  cv::Mat even = evenness(source, step_, static_cast<float>(options_.torn)), brought, fits,
+          out(places_.size(), CV_32F), within(from.size(), CV_32FC2);
+  sound.create(from.size(), CV_32F);
   const cv::Mat& all = everywhere_.all;
   const cv::Rect& own = everywhere_.picture;
   const sampling::Span across = sampling::span_of(own.x, own.width, all.cols),
@@ -397,28 +401,24 @@ cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv:
   for (int y = 0; y < from.rows; ++y)
     find_row(from.ptr<float>(y), static_cast<float>(y), across, down,
              kGuessedFrom_px / static_cast<float>(step_), from.cols, within.ptr<float>(y),
-             known.ptr<float>(y));
+             sound.ptr<float>(y));
   sampling::read_remapped(all, within, brought);
   if (!copy.fits.empty()) sampling::read_remapped(copy.fits, within, fits);
   cv::GaussianBlur(even, even, {}, kEvenOver_px / step_, kEvenOver_px / step_, cv::BORDER_REPLICATE);
+  cv::multiply(sound, cv::max(even.mul(even), kUneven), sound);
   std::vector<float> deep(out.cols), unlike(out.cols);
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);
-    const auto *evenly = even.ptr<float>(y), *is_known = known.ptr<float>(y);
     if (starts_) {
       compare_depths(brought.ptr<float>(y), places_.ptr<float>(y), out.cols, deep.data());
       const auto* fitting = fits.empty() ? nullptr : fits.ptr<float>(y);
-      for (int x = 0; x < out.cols; ++x)
-        to[x] = std::max(
-            is_known[x] * deep[x] * (fitting ? fitting[x] : 1.0f) * std::max(evenly[x] * evenly[x], kUneven),
-            kLeast);
+      for (int x = 0; x < out.cols; ++x) to[x] = std::max(deep[x] * (fitting ? fitting[x] : 1.0f), kLeast);
       continue;
     }
     compare(brought.ptr<float>(y), places_.ptr<float>(y), out.cols, deep.data(), unlike.data());
     for (int x = 0; x < out.cols; ++x) {
       const float away = 0.5f * unlike[x];
-      const float like = away < kNothing ? deep[x] * std::exp(-away) : 0.0f;
-      to[x] = std::max(is_known[x] * like * std::max(evenly[x] * evenly[x], kUneven), kLeast);
+      to[x] = std::max(away < kNothing ? deep[x] * std::exp(-away) : 0.0f, kLeast);
     }
   }
   return out;
@@ -449,19 +449,23 @@ cv::Mat CopyMaps::timeliness(const Copy& copy, const cv::Mat& from, int age) con
 std::vector<CopyMap> CopyMaps::at(int i) const {
   std::vector<CopyMap> out;
   const auto still_here = static_cast<float>(still(i));
-  cv::Mat sum = cv::Mat::zeros(places_.size(), CV_32F), own_suits;
+  cv::Mat sum = cv::Mat::zeros(places_.size(), CV_32F), suited = sum.clone(), own_suits;
   for (int copy = first_copy(i); copy <= last_copy(i); ++copy) {
     const int age = i - middle(copy);
     const Copy& maps = copies_.at(copy);
     const cv::Mat& source = maps.sources.at(i);
-    const cv::Mat from = places(source, 1, step_), suits = suitability(maps, source, from);
-    if (number(copy) == 0 && std::abs(age) < options_.interval) own_suits = suits;
-    out.push_back({timeliness(maps, from, age).mul(suits), source});
+    const cv::Mat from = places(source, 1, step_);
+    cv::Mat sound;
+    const cv::Mat suits = suitability(maps, source, from, sound),
+                  counts = timeliness(maps, from, age).mul(suits);
+    if (number(copy) == 0 && std::abs(age) < options_.interval) own_suits = suits.mul(sound);
+    out.push_back({counts.mul(sound), source});
     sum += out.back().weight;
+    suited += counts;
   }
-  // A texture has no long exposure below it.
+  // What is guessed or drawn out shows rather than the long exposure; and a texture has none below it.
   const cv::Mat shown =
-      starts_ ? cv::Mat(sum.size(), CV_32F, cv::Scalar(1)) : cv::Mat(cv::min(sum / kWanted, 1));
+      starts_ ? cv::Mat(sum.size(), CV_32F, cv::Scalar(1)) : cv::Mat(cv::min(suited / kWanted, 1));
   cv::Mat clear = cv::Mat::zeros(places_.size(), CV_32F);
   for (CopyMap& copy : out) {
     cv::divide(copy.weight, sum, copy.weight);

@@ -42,6 +42,9 @@ struct CopyOptions {
   /// noise (-1 to 1, seldom up to 1.9) that two patches share: px, CV_32F, sampled as the field. It should change
   /// slowly, or the copy folds. Empty: nothing is; where the copy shows then, the picture comes again.
   cv::Mat astray{};
+  /// A copy leaves a place to others where the motion has drawn its forms out or squeezed them to this of their size,
+  /// and begins to .35 before, 0..0.65.
+  double torn = 0.55;
   /// The places of a copy live up to this many intervals earlier or later than its middle, 0..1.
   double stagger = 1;
   /// Over which places live and go together, samples.
@@ -127,7 +130,7 @@ class CopyMaps {
   cv::Mat astray(int number) const;
   int middle(int copy) const { return copy * options_.interval; }
   void carry(int number, Copy& copy, int first, int end) const;
-  cv::Mat suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from) const;
+  cv::Mat suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from, cv::Mat& sound) const;
   cv::Mat timeliness(const Copy& copy, const cv::Mat& from, int age) const;
 
   std::unique_ptr<HalfwayMotion> motion_;

@@ -76,6 +76,43 @@ TEST(CarriedRenderer, BodiesThatLiveLongGoWholeWithTheirLightAndColour) {
   EXPECT_GT(at(brief, kFrom)[2], at(body, kFrom)[2] + 60) << "what lives briefly keeps its place's light";
 }
 
+/// How white it is, after a second, where a white disc lay on blue. flow  px/s, right and down, by the place beside the
+/// middle.
+int stays(const char* class_name, const std::function<cv::Vec2f(float, float)>& flow) {
+  const cv::Point place(112, 72);
+  cv::Mat disc(144, 144, CV_8UC3, cv::Scalar(200, 90, 20));
+  cv::circle(disc, place, 15, cv::Scalar::all(240), cv::FILLED, cv::LINE_AA);
+  AnimateOptions options;
+  options.frames = kFrames;
+  options.guide.direction.create(disc.size(), CV_32FC2);
+  options.guide.speed.create(disc.size(), CV_32F);
+  for (int y = 0; y < disc.rows; ++y)
+    for (int x = 0; x < disc.cols; ++x) {
+      const cv::Vec2f v = flow(static_cast<float>(x) - 71.5f, static_cast<float>(y) - 71.5f);
+      const auto speed = static_cast<float>(cv::norm(v));
+      options.guide.speed.at<float>(y, x) = speed;
+      options.guide.direction.at<cv::Vec2f>(y, x) = v / speed;
+    }
+  cv::Mat last;
+  animate_second(disc, {}, 6, 1, class_name, options, [&](const cv::Mat& frame) { last = frame.clone(); });
+  return at(last, place)[2];
+}
+
+TEST(CarriedRenderer, CloudsThatWouldBeTornKeepTheirLayout) {
+  const auto sheared = [](float, float y) { return cv::Vec2f(50 + 0.6f * y, 0); };
+  EXPECT_GT(stays("clouds", sheared), 150);
+  EXPECT_GT(stays("smoke", sheared), 150);
+  EXPECT_LT(stays("water", sheared), 60) << "of water the patches tell";
+  EXPECT_LT(stays("clouds", [](float, float) { return cv::Vec2f(50, 0); }), 60);
+}
+
+TEST(CarriedRenderer, WhereAVortexIsAskedTheLayoutOfASkyStands) {
+  // Turning as a whole strains nothing.
+  const auto round = [](float x, float y) { return cv::Vec2f(-1.2f * y, 1.2f * x); };
+  EXPECT_GT(stays("clouds", round), 150);
+  EXPECT_LT(stays("water", round), 60);
+}
+
 TEST(CarriedRenderer, FluidIsHardlyShearedWherePatchesWentAtOtherSpeeds) {
   // Of what lies above, by how much it is faster. By the patches it goes by 2 px a frame.
   const auto faster_above = [](const char* class_name, float life_s, double lower) {

@@ -68,12 +68,11 @@ TEST(CopyMaps, WeightsSumToOneWhereCopiesGoWithThePlaceAndOneCopyShowsMost) {
     double greatest = 0;
     cv::minMaxLoc(sum, nullptr, &greatest);
     EXPECT_LT(greatest, 1 + 1e-5) << i;
-    // Towards the side that the fluid comes from, some bring only what lies beyond the picture.
     EXPECT_NEAR(sum.at<float>(15, 30), 1, 1e-5) << i;
     least_in_all = std::min(least_in_all, cv::mean(sum)[0]);
     most += cv::mean(largest)[0] / (5 * kInterval);
   }
-  EXPECT_GT(least_in_all, 0.6);
+  EXPECT_GT(least_in_all, 0.95) << "what is guessed shows rather than nothing";
   EXPECT_GT(most, 0.75);  // weights of (1 + cos) / 3 have .57
 }
 
@@ -176,7 +175,7 @@ TEST(CopyMaps, ACopyThatIsDrawnOutLeavesThePlaceToOthers) {
     const std::vector<CopyMap> copies = maps.at(i);
     for (const CopyMap& copy : copies) {
       const float across = copy.source.at<cv::Vec2f>(15, 21)[0] - copy.source.at<cv::Vec2f>(15, 19)[0];
-      const bool out = 1 + across / (2 * kStep) < 0.4f;
+      const bool out = 1 + across / (2 * kStep) < 0.6f;
       const float weight = copy.weight.at<float>(15, 20);
       all += weight;
       if (out) drawn_out += weight, time_alone += 1.0 / static_cast<double>(copies.size());
