@@ -57,7 +57,7 @@ PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& bas
   options.guide = guide_of_animation(request, picture.size());
   if (!options.guide.direction.empty()) options.candidates.direction_deg.reset();
   prepared.kind = choose_kind(snapshot, base, picture, request.looked_at.empty() ? matte : request.looked_at,
-                              options.candidates);
+                              options.guide, options.candidates);
   if (!may_guess(request)) return prepared;
 
   if (progress) progress({"guessing the motion", 0, 0});

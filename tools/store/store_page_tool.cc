@@ -119,7 +119,7 @@ AskedPicture asked_picture(const store::Snapshot& snapshot, const query::SearchB
   const TargetFiles::Loaded loaded = target.load();
   AskedPicture asked{.name = file.filename().string(), .kind = {}, .jpeg = {}};
   query::CandidateOptions any{.class_name = std::string(query::kAnyClass)};
-  const query::KindChoice kind = query::choose_kind(snapshot, base, loaded.picture, loaded.matte, any);
+  const query::KindChoice kind = query::choose_kind(snapshot, base, loaded.picture, loaded.matte, {}, any);
   asked.kind = kind.look.name();
   asked.kind_sure = kind.look.sure();
   query::LabelOptions options;

@@ -171,11 +171,13 @@ void pace_it(const store::Snapshot& snapshot, AnimateInputs& inputs, const query
                           inputs.pace, kind, !inputs.asked.guide.speed.empty());
   inputs.playing.factor = paced.factor;
   if (paced.factor != 1)
-    say(fmt::format("--speed {}: {:.0f} px/s is usual for {}; as filmed {:.0f}, so it plays at {:.2f}",
-                    inputs.pace,
-                    synth::judging::speed_of(kind, inputs.pace == "auto" ? "natural" : inputs.pace,
-                                             inputs.loaded.picture.size()),
-                    kind.empty() ? "all kinds" : kind, paced.filmed.mean, paced.factor));
+    say(fmt::format(
+        "--speed {}: {:.0f} px/s is usual for {}; as filmed {:.0f}; it plays at {:.2f}, which makes {:.0f}",
+        inputs.pace,
+        synth::judging::speed_of(kind, inputs.pace == "auto" ? "natural" : inputs.pace,
+                                 inputs.loaded.picture.size()),
+        kind.empty() ? "all kinds" : kind, paced.filmed.mean, paced.factor,
+        paced.factor * paced.filmed.mean));
   inputs.pace.clear();
 }
 

@@ -26,7 +26,7 @@ export function KindSection({ document }: { document: Document }): JSX.Element |
       </div>
       {seen && !seen.sure && classes.length > 1 && (
         <p class="hint">
-          It may be {seen.class} ({Math.round(100 * seen.share)} %). Say which it is.
+          It may be {taken || seen.class}. Say which it is.
         </p>
       )}
       {paces && (

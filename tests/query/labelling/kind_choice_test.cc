@@ -125,13 +125,42 @@ TEST_F(Kinds, AnUnsureLookTakesTheLikeliestClassAndAsks) {
   fill(kMixed);
   CandidateOptions candidates;
   const cv::Mat flat(240, 320, CV_8UC3, cv::Scalar::all(90)), all(240, 320, CV_8U, cv::Scalar(255));
-  const KindChoice choice = choose_kind(*snapshot_, *base_, flat, all, candidates);
+  const KindChoice choice = choose_kind(*snapshot_, *base_, flat, all, {}, candidates);
   ASSERT_FALSE(choice.look.sure());
   EXPECT_EQ(choice.taken, choice.look.name());
   EXPECT_EQ(candidates.class_name, choice.taken);
   EXPECT_NE(choice.words.find("unsure"), std::string::npos) << choice.words;
   EXPECT_NE(choice.words.find("--class says which"), std::string::npos) << choice.words;
-  EXPECT_THROW(choose_kind(*snapshot_, *base_, flat, all.rowRange(0, 9), candidates), Error);
+  EXPECT_THROW(choose_kind(*snapshot_, *base_, flat, all.rowRange(0, 9), {}, candidates), Error);
+}
+
+TEST_F(Kinds, AnUnsureLookGoesAsItsClassDoes) {
+  fill({{.name = "fall", .class_name = "water", .texture = 3},
+        {.name = "sky", .class_name = "clouds", .motion = {30, 0}, .texture = 5}});
+  // From crumbs to blots, until it may be either.
+  const cv::Size size(320, 240);
+  const cv::Mat all(size, CV_8U, cv::Scalar(255));
+  cv::Mat noise(size, CV_32FC3), picture;
+  cv::RNG(7).fill(noise, cv::RNG::NORMAL, 0, 1);
+  const auto may_be = [&](std::size_t kind) {
+    return vision::fluid_kind(vision::fluid_look(picture, all)).share[kind];
+  };
+  double sigma = 1;
+  do {
+    sigma *= 1.02;
+    cv::GaussianBlur(noise, picture, {}, sigma);
+    cv::normalize(picture, picture, 0, 255, cv::NORM_MINMAX);
+    picture.convertTo(picture, CV_8U, 0.5, 60);
+  } while (sigma < 40 && (may_be(0) < 0.15 || may_be(3) < 0.15));
+  ASSERT_GT(may_be(0), 0.15);
+  ASSERT_GT(may_be(3), 0.15);
+  const auto taken = [&](const cv::Scalar& way) {
+    CandidateOptions candidates;
+    const MotionGuide guide{.direction = cv::Mat(size, CV_32FC2, way)};
+    return choose_kind(*snapshot_, *base_, picture, all, guide, candidates).taken;
+  };
+  EXPECT_EQ(taken({0, 1}), "water") << "a fall goes down";
+  EXPECT_EQ(taken({1, 0}), "clouds") << "a sky goes right";
 }
 
 }  // namespace
