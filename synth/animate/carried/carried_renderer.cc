@@ -70,8 +70,9 @@ constexpr double kFollowed = 0.4, kLeastFollowed_s = 0.25;
 constexpr double kWholeFrom_s = 0.7, kWholeSure_s = 1, kBodiesFrom_s = 0.9, kBodiesSure_s = 1.3;
 constexpr double kBodiesPatch = 3;  // times kLifePatch_px: a cloud goes over to another copy as a whole
 constexpr double kShareReach = 1;   // pieces: neighbours stand alike
-// Strain over two half-lives, for which a copy shows: clouds and smoke that are drawn out by so much would be torn, and
-// their layout stands. So does all of it where a vortex is asked, or a painted swirl would be wound up, and its stars.
+// Strain over two half-lives, for which a copy shows: clouds that are drawn out by so much would be torn, and their
+// layout stands. So does all of it where a vortex is asked, or a painted swirl would be wound up, and its stars. Smoke
+// is drawn out and wound up by nature.
 constexpr double kTornFrom = 0.6, kTornSure = 1.5, kVortexFrom = 0.82, kVortexSure = 0.92;
 constexpr double kLeastFluid = 1e-3;  // of a place's surroundings
 constexpr double kHardlyTorn =
@@ -402,9 +403,9 @@ class CarriedRenderer final : public Renderer {
     return LayoutShare(std::move(shares), still_.alpha);
   }
 
-  /// How far clouds and smoke would be torn that go: CV_32F, 0..1, sampled as the field. Of other fluid: empty.
+  /// How far clouds would be torn or wound up that go: CV_32F, 0..1, sampled as the field. Of other fluid: empty.
   cv::Mat torn_apart() const {
-    if (!places_class(animation_, kClouds) && !places_class(animation_, kSmoke)) return {};
+    if (!places_class(animation_, kClouds)) return {};
     cv::Mat motion, way, mass, out;
     cv::resize(still_.asked_motion, motion, field_->size(), 0, 0, cv::INTER_AREA);
     out = strain_rate(motion, step_px_) * (2 * half_life_s_);

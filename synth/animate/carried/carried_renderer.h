@@ -21,8 +21,8 @@
 namespace freshet::synth::animate {
 
 enum class Layout {
-  /// By place and band as the layout of the patches there does (layout_shares); of clouds and smoke also where they
-  /// would be torn, and all of it where a vortex is asked.
+  /// By place and band as the layout of the patches there does (layout_shares); of clouds also where they would be
+  /// torn, and all of it where a vortex is asked.
   kMeasured,
   kGoes,    // all goes
   kStands,  // its texture alone goes

@@ -40,7 +40,7 @@ StillPart read_still(const Animation& animation);
 ColourModel colours_of(const StillPart& still, double piece_scale);
 
 /// The classes of fluid that falls, glitters and ripples, that leaps, and that drifts.
-inline constexpr const char *kWater = "water", *kFire = "fire", *kSmoke = "smoke", *kClouds = "clouds";
+inline constexpr const char *kWater = "water", *kFire = "fire", *kClouds = "clouds";
 
 /// Whether more than half of the patches are of clips of this class.
 bool places_class(const Animation& animation, const std::string& name);
