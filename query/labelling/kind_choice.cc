@@ -57,8 +57,9 @@ std::map<std::string, double> goes_so(const store::Snapshot& snapshot, const sto
 /// The likeliest class by its look, and by its way where the look is unsure.
 std::string likeliest(const store::Snapshot& snapshot, const SearchBase& base, const vision::FluidKind& look,
                       const MotionGuide& guide, const cv::Mat& matte) {
+  if (look.sure()) return std::string(look.name());
   const std::optional<cv::Vec2f> way = way_asked(guide, matte);
-  if (look.sure() || !way) return std::string(look.name());
+  if (!way) return std::string(look.name());
   const std::map<std::string, double> goes = goes_so(snapshot, base.table, guide, *way);
   std::array<double, vision::kFluidKinds.size()> share = look.share;
   for (std::size_t kind = 0; kind < share.size(); ++kind) {
@@ -74,6 +75,7 @@ KindChoice choose_kind(const store::Snapshot& snapshot, const SearchBase& base, 
                        const cv::Mat& matte, const MotionGuide& guide, CandidateOptions& candidates) {
   if (picture.type() != CV_8UC3 || matte.type() != CV_8U || picture.size() != matte.size())
     throw Error(ErrorKind::kUsage, "picture and matte", "8-bit BGR and 8-bit grey of the same size expected");
+  check_guide(guide, picture.size());
   KindChoice choice{.look = vision::fluid_kind(vision::fluid_look(picture, matte))};
   std::set<std::string> classes;
   for (const store::ClipId clip : base.table.clips) classes.insert(class_of(snapshot, clip));

@@ -27,7 +27,7 @@ struct KindChoice {
 /// mixed classes share no motion. They are mixed only where the store lacks it, or for kAnyClass. Where the look is
 /// unsure and one way is asked, its probabilities are weighed by how many of each class go so: no cloud goes upright.
 /// picture, matte, guide   as search_candidates takes them.
-/// Throws           as search_candidates, for conditions that nothing passes.
+/// Throws           as search_candidates, for conditions that nothing passes; as check_guide.
 KindChoice choose_kind(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                        const cv::Mat& matte, const MotionGuide& guide, CandidateOptions& candidates);
 

@@ -15,24 +15,6 @@ constexpr double kOpening = 1.5;     // of the tolerances, a step
 constexpr double kWidestRatio = 16;  // beyond it any speed will do
 constexpr double kWindowSteps = 6;   // places of a window's middle within its tolerance
 
-void check(const MotionGuide& guide, cv::Size picture) {
-  const auto check_map = [&](const char* what, const cv::Mat& map, int type) {
-    if (map.empty() || (map.size() == picture && map.type() == type)) return;
-    throw Error(ErrorKind::kUsage, what,
-                fmt::format("{} x {} px, and the picture has {} x {}", map.cols, map.rows, picture.width,
-                            picture.height),
-                "Make it of the picture's size");
-  };
-  check_map("map of directions", guide.direction, CV_32FC2);
-  check_map("map of speeds", guide.speed, CV_32F);
-  if (!(guide.tolerance_deg >= 0 && guide.tolerance_deg <= 180))
-    throw Error(ErrorKind::kUsage, "direction tolerance",
-                fmt::format("{} is out of range, 0 to 180 expected", guide.tolerance_deg));
-  if (!(guide.speed_ratio >= 1) || !std::isfinite(guide.speed_ratio))
-    throw Error(ErrorKind::kUsage, "speed tolerance",
-                fmt::format("{} is out of range, a ratio of at least 1 expected", guide.speed_ratio));
-}
-
 double nearest_step(double value, double step) { return step > 0 ? std::round(value / step) * step : value; }
 
 // Sums over the pixels of one piece.
@@ -56,6 +38,24 @@ struct Sums {
 
 }  // namespace
 
+void check_guide(const MotionGuide& guide, cv::Size picture) {
+  const auto check_map = [&](const char* what, const cv::Mat& map, int type) {
+    if (map.empty() || (map.size() == picture && map.type() == type)) return;
+    throw Error(ErrorKind::kUsage, what,
+                fmt::format("{} x {} px, and the picture has {} x {}", map.cols, map.rows, picture.width,
+                            picture.height),
+                "Make it of the picture's size");
+  };
+  check_map("map of directions", guide.direction, CV_32FC2);
+  check_map("map of speeds", guide.speed, CV_32F);
+  if (!(guide.tolerance_deg >= 0 && guide.tolerance_deg <= 180))
+    throw Error(ErrorKind::kUsage, "direction tolerance",
+                fmt::format("{} is out of range, 0 to 180 expected", guide.tolerance_deg));
+  if (!(guide.speed_ratio >= 1) || !std::isfinite(guide.speed_ratio))
+    throw Error(ErrorKind::kUsage, "speed tolerance",
+                fmt::format("{} is out of range, a ratio of at least 1 expected", guide.speed_ratio));
+}
+
 HintSearch parse_hint_search(const std::string& name) {
   if (name == "wide") return HintSearch::kWide;
   if (name == "narrow") return HintSearch::kNarrow;
@@ -70,7 +70,7 @@ MotionGuide widened(MotionGuide guide) {
 }
 
 std::vector<PieceMotion> asked_motion(const MotionGuide& guide, const Target& target, const cv::Mat& matte) {
-  check(guide, target.picture);
+  check_guide(guide, target.picture);
   std::vector<PieceMotion> asked(target.size());
   if (guide.empty()) return asked;
   for (std::size_t piece = 0; piece < target.size(); ++piece) {

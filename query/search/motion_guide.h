@@ -27,6 +27,10 @@ enum class HintSearch {
 };
 HintSearch parse_hint_search(const std::string& name);  // "wide", "narrow"; Error{kUsage}
 
+/// Throws   Error{kUsage} when a map has another size or type than the picture's, or a number is out of range
+///          (tolerance 0..180 degrees, ratio at least 1).
+void check_guide(const MotionGuide& guide, cv::Size picture);
+
 /// The guide with tolerances that admit any motion.
 MotionGuide widened(MotionGuide guide);
 
@@ -39,8 +43,7 @@ struct PieceMotion {
 /// A row per piece.
 /// matte    CV_8U, the picture's size. The guide is read where it is above 127; in a piece that has no such
 ///          pixel, everywhere.
-/// Throws   Error{kUsage} when a map has another size or type than the picture's, or a number is out of range
-///          (tolerance 0..180 degrees, ratio at least 1).
+/// Throws   as check_guide.
 std::vector<PieceMotion> asked_motion(const MotionGuide& guide, const Target& target, const cv::Mat& matte);
 
 /// What is asked in steps of 5 degrees and a tenth of an octave: what is chosen by it stays as it is where a stroke

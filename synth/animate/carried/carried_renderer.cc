@@ -74,9 +74,8 @@ constexpr double kShareReach = 1;   // pieces: neighbours stand alike
 // layout stands. So does all of it where a vortex is asked, or a painted swirl would be wound up, and its stars. Smoke
 // is drawn out and wound up by nature.
 constexpr double kTornFrom = 0.6, kTornSure = 1.5, kVortexFrom = 0.82, kVortexSure = 0.92;
-constexpr double kLeastFluid = 1e-3;  // of a place's surroundings
-constexpr double kHardlyTorn =
-    0.1;  // of what stands so, with its surroundings: no more than a place here and there
+// Of a place's surroundings: less fluid has no mean; less that is torn is a place here and there.
+constexpr double kLeastFluid = 1e-3, kHardlyTorn = 0.1;
 constexpr double kTornFlames = 0.3;  // CopyOptions::torn: flames are drawn out as they rise
 // Flames are carried this much faster than they are to be seen to go, for their feet stand, and what rises has often
 // gone out before it arrives; and where they are asked to go, the limit of what they do beside is this much wider.

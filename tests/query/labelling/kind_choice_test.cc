@@ -132,6 +132,9 @@ TEST_F(Kinds, AnUnsureLookTakesTheLikeliestClassAndAsks) {
   EXPECT_NE(choice.words.find("unsure"), std::string::npos) << choice.words;
   EXPECT_NE(choice.words.find("--class says which"), std::string::npos) << choice.words;
   EXPECT_THROW(choose_kind(*snapshot_, *base_, flat, all.rowRange(0, 9), {}, candidates), Error);
+  const MotionGuide smaller{.direction = cv::Mat(120, 160, CV_32FC2, cv::Scalar(1, 0))};
+  candidates.class_name.clear();
+  EXPECT_THROW(choose_kind(*snapshot_, *base_, flat, all, smaller, candidates), Error);
 }
 
 TEST_F(Kinds, AnUnsureLookGoesAsItsClassDoes) {
