@@ -62,7 +62,7 @@ constexpr double kSparkleLife_s = 0.2, kSparkleTravel_px = 0.8, kSparkleSpread_p
                  kSparkleEdge_px = 8;
 // Lives in the clips are those of what the flow follows, less noise. On water much is glint or ripple that goes its own
 // way and comes anew sooner: there copies live for this share of them, but not for less than this unless the clips do,
-// or a sea turns to crumbs (docs/measurements/quality.md).
+// or a sea turns to crumbs (docs/measurements/choices.md).
 constexpr double kFollowed = 0.4, kLeastFollowed_s = 0.25;
 // How long wide forms go, s, times the square of the share that goes (a pool's live for 3 s, and stand): 1 to 3 for
 // clouds, .7 to 1.7 for smoke, up to .6 for water and fire (34 clips). From kWhole* on all goes along, from kBodies* on
