@@ -1,6 +1,7 @@
 #include "synth/animate/carried/carried_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -74,6 +75,9 @@ constexpr double kShareReach = 1;   // pieces: neighbours stand alike
 // layout stands. So does all of it where a vortex is asked, or a painted swirl would be wound up, and its stars. Smoke
 // is drawn out and wound up by nature.
 constexpr double kTornFrom = 0.6, kTornSure = 1.5, kVortexFrom = 0.82, kVortexSure = 0.92;
+// If a vortex is asked, at least so much of each band's variance stands, finest first (the last from there on), as of a
+// fall in dusk (figures: standing_detail.h): brush strokes go, and the whorl that they draw keeps its form.
+constexpr std::array kOfWhorl{0.16, 0.35, 0.63, 0.86};
 // Of a place's surroundings: less fluid has no mean; less that is torn is a place here and there.
 constexpr double kLeastFluid = 1e-3, kHardlyTorn = 0.1;
 constexpr double kTornFlames = 0.3;  // CopyOptions::torn: flames are drawn out as they rise
@@ -312,6 +316,7 @@ class CarriedRenderer final : public Renderer {
     const FluidPlanes whole =
         glitter_ ? fluid_planes(whole_.target, whole_.luma, whole_.alpha) : FluidPlanes{};
     if (glitter_) whole_colour_.emplace(whole, whole_.alpha);
+    whorl_ = asked_whorl();
     share_ = layout_share();
     if (share_.stands_somewhere()) lay_texture_copies(planes);
     cv::Mat own_colour;  // beside the model
@@ -405,7 +410,7 @@ class CarriedRenderer final : public Renderer {
   /// How far clouds would be torn or wound up that go: CV_32F, 0..1, sampled as the field. Of other fluid: empty.
   cv::Mat torn_apart() const {
     if (!places_class(animation_, kClouds)) return {};
-    cv::Mat motion, way, mass, out;
+    cv::Mat motion, mass, out;
     cv::resize(still_.asked_motion, motion, field_->size(), 0, 0, cv::INTER_AREA);
     out = strain_rate(motion, step_px_) * (2 * half_life_s_);
     for (int y = 0; y < out.rows; ++y)
@@ -417,9 +422,16 @@ class CarriedRenderer final : public Renderer {
     cv::GaussianBlur(out.mul(fluid_), out, {}, sigma, sigma, cv::BORDER_REPLICATE);
     cv::GaussianBlur(fluid_, mass, {}, sigma, sigma, cv::BORDER_REPLICATE);
     out = cv::max((out / (mass + kLeastFluid) - kHardlyTorn) / (1 - kHardlyTorn), 0);
+    return cv::max(out, whorl_);
+  }
+
+  /// How far a vortex is asked of clouds, 0..1; 0 where the layout is not measured.
+  double asked_whorl() const {
     const cv::Mat& asked = animation_.options.guide.direction;
-    if (!asked.empty()) cv::resize(asked, way, field_->size(), 0, 0, cv::INTER_AREA);
-    return cv::max(out, smoothstep(kVortexFrom, kVortexSure, vortex(way, fluid_)));
+    if (options_.layout != Layout::kMeasured || !places_class(animation_, kClouds) || asked.empty()) return 0;
+    cv::Mat way;
+    cv::resize(asked, way, field_->size(), 0, 0, cv::INTER_AREA);
+    return smoothstep(kVortexFrom, kVortexSure, vortex(way, fluid_));
   }
 
   /// The picture as a long exposure along its motion, and the copies that are carried over it. Returns the exposure's
@@ -462,6 +474,8 @@ class CarriedRenderer final : public Renderer {
                               .step = step_px_};
     std::vector<double> shares = measured_shares_;
     shares.pop_back();
+    for (std::size_t level = 0; level < shares.size(); ++level)
+      shares[level] = std::max(shares[level], whorl_ * kOfWhorl[std::min(level, kOfWhorl.size() - 1)]);
     layout_.emplace(planes, still_.alpha, motion, shares);
     texture_base_.emplace(continued(planes, still_.alpha, {}), enlarged(options_.carry, scale),
                           layout_->texture());
@@ -660,6 +674,7 @@ class CarriedRenderer final : public Renderer {
   cv::Mat fluid_;                      // CV_32F, the matte as the field is sampled
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
   std::optional<StandingColour> colour_, whole_colour_;  // of what is carried, and with its sparkles
+  double whorl_ = 0;                                     // how far a vortex is asked of clouds, 0..1
   LayoutShare share_{0};
   // Of what goes with its forms, where anything does.
   cv::Mat exposure_;  // luma

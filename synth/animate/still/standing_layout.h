@@ -32,8 +32,8 @@ struct LayoutMotion {
 class StandingLayout {
  public:
   /// planes, matte  as CarriedBase takes them.
-  /// shares   by level of luma, finest first: of a band's variance, how much stands in the clips, 0..1
-  ///          (standing_shares). Their number is that of the bands.
+  /// shares   by level of luma, finest first: of a band's variance, how much stands, 0..1 (in the clips:
+  ///          standing_shares). Their number is that of the bands.
   /// Cost     a line integral of 24 samples at each level, once a picture. All threads.
   /// Memory   20 bytes a pixel.
   StandingLayout(const FluidPlanes& planes, const cv::Mat& matte, const LayoutMotion& motion,

@@ -4,6 +4,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -76,26 +78,31 @@ TEST(CarriedRenderer, BodiesThatLiveLongGoWholeWithTheirLightAndColour) {
   EXPECT_GT(at(brief, kFrom)[2], at(body, kFrom)[2] + 60) << "what lives briefly keeps its place's light";
 }
 
-/// How white it is, after a second, where a white disc lay on blue. flow  px/s, right and down, by the place beside the
-/// middle.
-int stays(const char* class_name, const std::function<cv::Vec2f(float, float)>& flow) {
-  const cv::Point place(112, 72);
-  cv::Mat disc(144, 144, CV_8UC3, cv::Scalar(200, 90, 20));
-  cv::circle(disc, place, 15, cv::Scalar::all(240), cv::FILLED, cv::LINE_AA);
+/// What a picture has become after a second. flow  px/s, right and down, by the place beside the middle.
+cv::Mat carried_by(const cv::Mat& picture, const char* class_name,
+                   const std::function<cv::Vec2f(float, float)>& flow) {
   AnimateOptions options;
   options.frames = kFrames;
-  options.guide.direction.create(disc.size(), CV_32FC2);
-  options.guide.speed.create(disc.size(), CV_32F);
-  for (int y = 0; y < disc.rows; ++y)
-    for (int x = 0; x < disc.cols; ++x) {
+  options.guide.direction.create(picture.size(), CV_32FC2);
+  options.guide.speed.create(picture.size(), CV_32F);
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x) {
       const cv::Vec2f v = flow(static_cast<float>(x) - 71.5f, static_cast<float>(y) - 71.5f);
       const auto speed = static_cast<float>(cv::norm(v));
       options.guide.speed.at<float>(y, x) = speed;
       options.guide.direction.at<cv::Vec2f>(y, x) = v / speed;
     }
   cv::Mat last;
-  animate_second(disc, {}, 6, 1, class_name, options, [&](const cv::Mat& frame) { last = frame.clone(); });
-  return at(last, place)[2];
+  animate_second(picture, {}, 6, 1, class_name, options, [&](const cv::Mat& frame) { last = frame.clone(); });
+  return last;
+}
+
+/// How white it is, after a second, where a white disc lay on blue.
+int stays(const char* class_name, const std::function<cv::Vec2f(float, float)>& flow) {
+  const cv::Point place(112, 72);
+  cv::Mat disc(144, 144, CV_8UC3, cv::Scalar(200, 90, 20));
+  cv::circle(disc, place, 15, cv::Scalar::all(240), cv::FILLED, cv::LINE_AA);
+  return at(carried_by(disc, class_name, flow), place)[2];
 }
 
 TEST(CarriedRenderer, CloudsThatWouldBeTornKeepTheirLayout) {
@@ -112,6 +119,42 @@ TEST(CarriedRenderer, WhereAVortexIsAskedTheLayoutOfASkyStands) {
   EXPECT_GT(stays("clouds", round), 150);
   EXPECT_LT(stays("smoke", round), 60) << "smoke is wound up by nature";
   EXPECT_LT(stays("water", round), 60);
+}
+
+TEST(CarriedRenderer, AWhorlKeepsItsFormWhileItsStrokesGo) {
+  // Three spiral arms, of dabs; a sixth of a turn, 1 s, would bring them to where gaps were.
+  cv::Mat whorl(144, 144, CV_8U), dabs(144, 144, CV_8U), picture;
+  cv::RNG(5).fill(dabs, cv::RNG::UNIFORM, 0, 80);
+  for (int y = 0; y < whorl.rows; ++y)
+    for (int x = 0; x < whorl.cols; ++x) {
+      const double across = x - 71.5, down = y - 71.5;
+      whorl.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(
+          80 + 50 * std::sin(3 * std::atan2(down, across) + std::hypot(across, down) / 6) +
+          dabs.at<std::uint8_t>(y, x));
+    }
+  cv::cvtColor(whorl, picture, cv::COLOR_GRAY2BGR);
+  cv::Mat after =
+      carried_by(picture, "clouds", [](float x, float y) { return cv::Vec2f(-1.2f * y, 1.2f * x); });
+  cv::cvtColor(after, after, cv::COLOR_BGR2GRAY);
+  // What is of some size: like the picture's, and as strong.
+  const auto against_the_still = [&](double sigma) {
+    cv::Mat one, other, wide, found;
+    whorl.convertTo(one, CV_32F);
+    after.convertTo(other, CV_32F);
+    for (cv::Mat* plane : {&one, &other}) {
+      cv::GaussianBlur(*plane, wide, {}, 2 * sigma, 2 * sigma);
+      cv::GaussianBlur(*plane, *plane, {}, sigma, sigma);
+      *plane = cv::Mat(*plane - wide)(cv::Rect(24, 24, 96, 96));
+    }
+    cv::matchTemplate(one, other, found, cv::TM_CCOEFF_NORMED);
+    return std::pair(found.at<float>(0), cv::norm(other) / cv::norm(one));
+  };
+  const auto [form, form_strength] = against_the_still(4);
+  const auto [dab, dab_strength] = against_the_still(0.8);
+  EXPECT_GT(form, 0.2) << "with the shares of clouds alone -.67";
+  EXPECT_LT(dab, 0.4);
+  EXPECT_GT(form_strength, 0.5) << "arms that go lie in the gaps of those that stand";
+  EXPECT_GT(dab_strength, 0.7);
 }
 
 TEST(CarriedRenderer, FluidIsHardlyShearedWherePatchesWentAtOtherSpeeds) {
