@@ -21,8 +21,8 @@ struct PieceLives {
   std::vector<LifeBands> power;  // mean square of the patch's bands, luma in 0..1
   /// Of all together: of each piece the mean of the logarithm over its three finest bands, by their power, for what is
   /// coarser than 16 px is form, not detail; of the pieces the median, for a few that show standing water would make a
-  /// whole river stand. Beside the mean over four bands and all pieces (bench_quality, docs/measurements/quality.md, 34
-  /// clips, strokes with speeds) the measure lifetime is .15 instead of .17, water's .19 instead of .24.
+  /// whole river stand. Beside the mean over four bands and all pieces (bench_quality, 34 clips, strokes with speeds,
+  /// when it was chosen) the measure lifetime is .15 instead of .17, water's .19 instead of .24.
   double overall_s = 1;
   double forms_s = 1;  // of the coarsest band: the mean of the logarithm
 };
