@@ -85,9 +85,12 @@ cv::Mat carried_by(const cv::Mat& picture, const char* class_name,
   options.frames = kFrames;
   options.guide.direction.create(picture.size(), CV_32FC2);
   options.guide.speed.create(picture.size(), CV_32F);
+  const auto from_middle = [](int at, int length) {
+    return static_cast<float>(at) - 0.5f * static_cast<float>(length - 1);
+  };
   for (int y = 0; y < picture.rows; ++y)
     for (int x = 0; x < picture.cols; ++x) {
-      const cv::Vec2f v = flow(static_cast<float>(x) - 71.5f, static_cast<float>(y) - 71.5f);
+      const cv::Vec2f v = flow(from_middle(x, picture.cols), from_middle(y, picture.rows));
       const auto speed = static_cast<float>(cv::norm(v));
       options.guide.speed.at<float>(y, x) = speed;
       options.guide.direction.at<cv::Vec2f>(y, x) = v / speed;
@@ -136,7 +139,7 @@ TEST(CarriedRenderer, AWhorlKeepsItsFormWhileItsStrokesGo) {
   cv::Mat after =
       carried_by(picture, "clouds", [](float x, float y) { return cv::Vec2f(-1.2f * y, 1.2f * x); });
   cv::cvtColor(after, after, cv::COLOR_BGR2GRAY);
-  // What is of some size: like the picture's, and as strong.
+  // Of detail of this size: its correlation with the still's, and its strength beside it.
   const auto against_the_still = [&](double sigma) {
     cv::Mat one, other, wide, found;
     whorl.convertTo(one, CV_32F);
