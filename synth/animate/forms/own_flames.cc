@@ -29,7 +29,7 @@ constexpr double kWideLayout = 0.3;  // of flames (CarriedOptions::wide_layout)
 constexpr double kLooks = 0.75;      // of flames (CarriedBaseOptions::looks)
 constexpr float kOverAll = 0.02f;    // light: of a tongue that is all there where it has so much
 constexpr double kMostly =
-    0.5;  // of all light, in tongues: what is beside them is what they light, a glass or a rim, and stands
+    0.5;  // part_above_feet: what is beside such tongues is what they light, wax, a glass or a rim, and stands
 constexpr float kHole = 0.1f,
                 kRim = 0.9f;     // alpha: a hole in the matte has less somewhere; its rim ends there
 constexpr float kPalest = 1.1f;  // times the blue and the green of flames as bright
@@ -179,6 +179,36 @@ std::optional<TongueCourse> course_like(const Animation& animation, std::span<co
   return best ? course_of(clip_forms(snapshot, best->clip, kCourseFrames)) : best;
 }
 
+/// Of all light above where the lowest tongue stands, what tongues have, 0..1.
+double part_above_feet(const std::vector<Tongue>& tongues, const cv::Mat& level) {
+  const double all = cv::sum(light_of(level))[0];
+  double lowest = 0, part = 0;
+  for (const Tongue& tongue : tongues) {
+    lowest = std::max(lowest, tongue.box.y + tongue.foot);
+    part += tongue.part;
+  }
+  const double above = cv::sum(light_of(level.rowRange(0, static_cast<int>(lowest))))[0];
+  return above > 0 ? part * all / above : 0;
+}
+
+/// Heights a second at which tongues are asked to go, each by its light; none where no speed is asked.
+/// level  of the picture's light. motion, speed  of a guide (apply_guide, MotionGuide), the picture's size.
+std::optional<double> asked_speed(const std::vector<Tongue>& tongues, const cv::Mat& level,
+                                  const cv::Mat& motion, const cv::Mat& speed) {
+  if (speed.empty()) return std::nullopt;
+  double sum = 0, weight = 0;
+  for (const Tongue& tongue : tongues)
+    for (int y = 0; y < tongue.box.height; ++y)
+      for (int x = 0; x < tongue.box.width; ++x) {
+        const cv::Point at = tongue.box.tl() + cv::Point(x, y);
+        if (speed.at<float>(at) < 0) continue;
+        const double light = tongue.share.at<float>(y, x) * light_of(level.at<float>(at));
+        sum += light * cv::norm(motion.at<cv::Vec2f>(at)) / tongue.height;
+        weight += light;
+      }
+  return weight > 0 ? std::optional(sum / weight) : std::nullopt;
+}
+
 /// Light around a tongue, continued behind it: CV_32FC3, of its box, no more than is there.
 cv::Mat behind(const cv::Mat& light, const Tongue& tongue) {
   const cv::Mat trust = 1 - tongue.share;
@@ -248,7 +278,7 @@ class OwnFlames final : public Renderer {
                 options.lighting),
         parted_(std::move(parted)),
         options_(options),
-        tongues_(found_tongues()),
+        tongues_(found_tongues(still.asked_motion)),
         burning_(burning_of(parted_, still.alpha)),
         light_(light_as_still(still, burning_, animation.placement.piece_scale)),
         light_options_(of_light(animation.options)),
@@ -381,17 +411,18 @@ class OwnFlames final : public Renderer {
     return ground * (more * light_of(code + change) / before);
   }
 
-  std::vector<OwnTongue> found_tongues() {
+  std::vector<OwnTongue> found_tongues(const cv::Mat& asked_motion) {
     const std::vector<Tongue> tongues = tongues_of(parted_.level);
     if (tongues.empty()) return {};
     course_ = course_like(animation_, options_.clips);
     if (!course_) return {};
-    course_ = halfway_to_usual(*std::move(course_));
+    const std::optional<double> asked =
+        asked_speed(tongues, parted_.level, asked_motion, animation_.options.guide.speed);
+    course_ = asked ? as_fast_as(*std::move(course_), *asked / options_.pace)
+                    : halfway_to_usual(*std::move(course_));
     animation_.report.tongues = tongues.size();
     animation_.report.sways_as = course_->clip;
-    double part = 0;
-    for (const Tongue& tongue : tongues) part += tongue.part;
-    rest_stands_ = part > kMostly;
+    rest_stands_ = part_above_feet(tongues, parted_.level) > kMostly;
     return taken_out(parted_, tongues, *course_);
   }
 

@@ -30,7 +30,8 @@ struct OwnFlamesOptions {
 /// liveliest patches around do (SharedLevels::liveliest): their level varies over time by at most .05 in the dark
 /// and .006 by day, of a ground darker than .15 less.
 /// A flame of one tongue (tongues_of) is not carried but sways as a whole, as the flame of a clip did; of the first
-/// kCourseClips clips that which is a tongue itself most often, or the calmest; as restless as halfway_to_usual.
+/// kCourseClips clips that which is a tongue itself most often, or the calmest; as fast as asked (as_fast_as), else as
+/// restless as halfway_to_usual. Where such flames have more than half of the light above their feet, the rest stands.
 /// Frame 0 is the picture.
 /// parted  of this picture, with contrast.
 std::unique_ptr<Renderer> own_flames(Animation& animation, const StillPart& still, PartedStill parted,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -23,6 +25,7 @@ constexpr double kEdge = 0.25;        // of a tongue's width
 constexpr double kAxisSide =
     3.0;  // frames: over which a course is smoothed, its sampling noise being a pixel's
 constexpr double kLowest = 0.6, kHighest = 1.6;
+constexpr int kHeights = 8;  // of a body, at which its speed is read
 
 double median_of(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
@@ -272,10 +275,51 @@ double TongueCourse::unrest() const {
   return fps * sum / static_cast<double>(sways.size());
 }
 
-TongueCourse halfway_to_usual(TongueCourse course) {
-  const double unrest = course.unrest(), times = unrest > 0 ? std::sqrt(kUsualUnrest / unrest) : 1;
+double TongueCourse::speed() const {
+  double sum = 0;
+  for (std::size_t i = 1; i < sways.size(); ++i) {
+    const Sway &a = sways[i - 1], &b = sways[i];
+    for (int k = 1; k <= kHeights; ++k) {
+      const double up = static_cast<double>(k) / kHeights;
+      sum += std::hypot(up * (b.lean - a.lean + up * (b.bow - a.bow)), up * (b.stretch - a.stretch));
+    }
+  }
+  return fps * sum / static_cast<double>(kHeights * sways.size());
+}
+
+namespace {
+
+TongueCourse widened(TongueCourse course, double times) {
   for (Sway& sway : course.sways)
     sway = bounded(times * sway.lean, times * sway.bow, 1 + times * (sway.stretch - 1));
+  return course;
+}
+
+/// How many times as wide its sways may be.
+double room_of(const TongueCourse& course) {
+  double room = std::numeric_limits<double>::infinity();
+  for (const Sway& sway : course.sways) {
+    const double taller = sway.stretch - 1;
+    for (const double aside : {sway.lean, sway.bow})
+      if (aside != 0) room = std::min(room, kMostSway / std::abs(aside));
+    if (taller != 0) room = std::min(room, ((taller > 0 ? kHighest : kLowest) - 1) / taller);
+  }
+  return room;
+}
+
+}  // namespace
+
+TongueCourse halfway_to_usual(TongueCourse course) {
+  const double unrest = course.unrest();
+  return widened(std::move(course), unrest > 0 ? std::sqrt(kUsualUnrest / unrest) : 1);
+}
+
+TongueCourse as_fast_as(TongueCourse course, double speed) {
+  const double now = course.speed();
+  if (now <= 0) return course;
+  const double wider = std::min(speed / now, room_of(course));
+  course = widened(std::move(course), wider);
+  course.fps *= std::clamp(speed / (now * wider), 1.0, kQuickest);
   return course;
 }
 

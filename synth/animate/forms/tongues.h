@@ -46,12 +46,20 @@ struct TongueCourse {
   Sway at(double seconds) const;
   /// Of its height a second: how far lean, bow and stretch change from frame to frame, together.
   double unrest() const;
+  /// Heights a second: how fast its body goes, mean over frames and heights.
+  double speed() const;
 };
 
 /// As one flame sways tells little of how much another does: the same course, its sways so much wider or narrower that
 /// it is, by octaves, halfway as restless as flames usually are. Within the bounds of course_of.
 TongueCourse halfway_to_usual(TongueCourse course);
 inline constexpr double kUsualUnrest = 0.9;  // heights a second: two candles' geometric mean (.26 and 3.3)
+
+/// The same course, its body as fast as this, heights a second: sways are wider or narrower, within the bounds of
+/// course_of; what that leaves is made up by going through them more quickly, up to kQuickest times. As it is where it
+/// does not move.
+TongueCourse as_fast_as(TongueCourse course, double speed);
+inline constexpr double kQuickest = 4;
 
 /// Of the clip's largest flame, frame by frame, about its median: axis by least squares over rows, by their light;
 /// height where all but a fortieth of it is below. Leans are cut off at kMostSway, heights at .6 and 1.6.

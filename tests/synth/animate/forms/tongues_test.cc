@@ -1,6 +1,8 @@
 #include "synth/animate/forms/tongues.h"
 
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -137,6 +139,24 @@ TEST(TongueCourse, ComesHalfwayToAsRestlessAsFlamesUsuallyAre) {
   EXPECT_EQ(halfway_to_usual(tall).unrest(), 0);
 }
 
+TEST(TongueCourse, IsAsFastAsAsked) {
+  TongueCourse course{.clip = {}, .fps = 10, .sways = {}, .tongue = 1};
+  for (int i = 0; i < 40; ++i)
+    course.sways.push_back({.lean = i % 2 == 0 ? 0.05 : -0.05, .bow = 0, .stretch = 1});
+  // All heights between foot and tip go by .1 of theirs, 9.75 times a second.
+  const double speed = 9.75 * 0.1 * 4.5 / 8;
+  EXPECT_NEAR(course.speed(), speed, 1e-9);
+  const TongueCourse slower = as_fast_as(course, 0.2 * speed), faster = as_fast_as(course, 14 * speed);
+  EXPECT_NEAR(slower.speed(), 0.2 * speed, 1e-9);
+  EXPECT_EQ(slower.fps, 10);
+  EXPECT_NEAR(faster.speed(), 14 * speed, 1e-9);
+  EXPECT_NEAR(faster.sways[0].lean, kMostSway, 1e-9);
+  EXPECT_NEAR(faster.fps, 20, 1e-9);
+  EXPECT_NEAR(as_fast_as(course, 1000).fps, 10 * kQuickest, 1e-9);
+  course.sways = {{}, {}};
+  EXPECT_EQ(as_fast_as(course, 1).speed(), 0);
+}
+
 TEST(TongueCourse, OfAClipThatDoesNotShineIsNone) {
   ClipForms dark{};
   dark.levels.emplace_back(cv::Mat::zeros(kPictureSize, CV_8U));
@@ -157,20 +177,31 @@ cv::Mat candle_picture() {
   return out;
 }
 
-TEST(OwnFlames, ACandleSwaysInOnePiece) {
+/// An own flame's film of a picture, 30 frames; speed in px/s, or not asked.
+struct CandleFilm {
+  AnimateReport report;
+  std::vector<cv::Mat> frames;
+};
+CandleFilm film_of(const cv::Mat& picture, std::optional<double> speed = {}) {
   FlowingClip clip = BurningClip{}.clip();
   clip.steady = {0, -1.6f};
   clip.varying = 0.4f;
   const FlowingStore store({measured(clip)});
-  const cv::Mat picture = candle_picture();
-  std::vector<cv::Mat> frames;
   AnimateOptions options;
   options.frames = 30;
-  const AnimateReport report =
-      animate(store.snapshot(), store.settings(), picture, cv::Mat(kPictureSize, CV_8U, cv::Scalar(255)),
-              placed(store.id()), options, [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
+  if (speed) options.guide.speed = cv::Mat(kPictureSize, CV_32F, cv::Scalar(*speed));
+  CandleFilm film;
+  film.report = animate(store.snapshot(), store.settings(), picture,
+                        cv::Mat(kPictureSize, CV_8U, cv::Scalar(255)), placed(store.id()), options,
+                        [&](const cv::Mat& frame) { film.frames.push_back(frame.clone()); });
+  EXPECT_EQ(film.report.sways_as, store.id());
+  return film;
+}
+
+TEST(OwnFlames, ACandleSwaysInOnePiece) {
+  const cv::Mat picture = candle_picture();
+  const auto [report, frames] = film_of(picture);
   EXPECT_EQ(report.tongues, 1);
-  EXPECT_EQ(report.sways_as, store.id());
   EXPECT_EQ(apart(frames[0], picture), 0);
   const auto burns = [](const cv::Mat& frame) {
     cv::Mat red;
@@ -186,6 +217,29 @@ TEST(OwnFlames, ACandleSwaysInOnePiece) {
     EXPECT_LT(apart(frame(cv::Rect(90, 136, 20, 20)), picture(cv::Rect(90, 136, 20, 20))), 12);
   }
   EXPECT_GT(moved, 60);
+}
+
+TEST(OwnFlames, ACandleGoesAsFastAsAsked) {
+  const cv::Mat picture = candle_picture();
+  const auto change = [](const CandleFilm& film) {
+    double sum = 0;
+    for (std::size_t i = 10; i < film.frames.size(); ++i)
+      sum += cv::norm(film.frames[i], film.frames[i - 1], cv::NORM_L1);
+    return sum;
+  };
+  const double slow = change(film_of(picture, 3)), quick = change(film_of(picture, 30));
+  EXPECT_GT(slow, 0);
+  EXPECT_GT(quick, 3 * slow);
+}
+
+TEST(OwnFlames, WaxThatACandleLightsStands) {
+  cv::Mat picture = candle_picture();
+  const cv::Rect wax(70, 133, 60, 27);  // of more light than the flame
+  picture(wax).setTo(cv::Scalar(40, 200, 250));
+  const CandleFilm film = film_of(picture);
+  EXPECT_EQ(film.report.tongues, 1);
+  const cv::Rect within(wax.x + 3, wax.y + 8, wax.width - 6, wax.height - 10);
+  for (const cv::Mat& frame : film.frames) EXPECT_LT(apart(frame(within), picture(within)), 12);
 }
 
 }  // namespace
