@@ -30,6 +30,8 @@ constexpr double kLooks = 0.75;      // of flames (CarriedBaseOptions::looks)
 constexpr float kOverAll = 0.02f;    // light: of a tongue that is all there where it has so much
 constexpr double kMostly =
     0.5;  // part_above_feet: what is beside such tongues is what they light, wax, a glass or a rim, and stands
+constexpr float kRimLevel = 0.1f;   // of a tongue's light: it covers the ground where it has more
+constexpr double kRimWidth = 0.03;  // of a tongue's height: so far around that its soft rim goes
 constexpr float kHole = 0.1f,
                 kRim = 0.9f;     // alpha: a hole in the matte has less somewhere; its rim ends there
 constexpr float kPalest = 1.1f;  // times the blue and the green of flames as bright
@@ -222,21 +224,25 @@ cv::Mat behind(const cv::Mat& light, const Tongue& tongue) {
   return rest;
 }
 
-/// What a tongue leaves, swaying, is as light as what glows around it: its ground is continued from there. What is
-/// beside its foot is lit as it is.
+/// What a tongue leaves, swaying, is as what glows around it: its ground and its soft rim's are continued from there.
+/// What is beside its foot is lit as it is.
 void glow_behind(PartedStill& parted, const Tongue& tongue) {
   const cv::Mat level = parted.level(tongue.box);
-  cv::Mat ground = parted.ground(tongue.box), light = parted.light(tongue.box);
-  cv::Mat trust = cv::Mat::zeros(level.size(), CV_32F);
-  for (int y = 0; y < static_cast<int>(tongue.foot); ++y)
-    for (int x = 0; x < level.cols; ++x) trust.at<float>(y, x) = level.at<float>(y, x) > 0 ? 0.0f : 1.0f;
+  cv::Mat ground = parted.ground(tongue.box), light = parted.light(tongue.box), covered = level > kRimLevel;
+  const int rim = 2 * std::max(1, static_cast<int>(std::lround(kRimWidth * tongue.height))) + 1;
+  cv::dilate(covered, covered, cv::getStructuringElement(cv::MORPH_ELLIPSE, {rim, rim}));
+  covered.rowRange(static_cast<int>(tongue.foot), level.rows).setTo(255);
+  cv::Mat trust;
+  cv::Mat(~covered).convertTo(trust, CV_32F, 1.0 / 255);
   const cv::Mat fill = sampling::pull_push(ground, trust);
   for (int y = 0; y < level.rows; ++y)
     for (int x = 0; x < level.cols; ++x)
       for (int k = 0; k < 3; ++k) {
+        if (covered.at<std::uint8_t>(y, x) == 0) continue;
         float &under = ground.at<cv::Vec3f>(y, x)[k], &over = light.at<cv::Vec3f>(y, x)[k];
+        const float least = y < static_cast<int>(tongue.foot) ? -under : 0;
         const float more = tongue.share.at<float>(y, x) *
-                           std::clamp(fill.at<cv::Vec3f>(y, x)[k] - under, 0.0f, std::max(0.0f, over));
+                           std::clamp(fill.at<cv::Vec3f>(y, x)[k] - under, least, std::max(0.0f, over));
         under += more;
         over -= more;
       }
