@@ -29,9 +29,9 @@ constexpr double kWideLayout = 0.3;  // of flames (CarriedOptions::wide_layout)
 constexpr double kLooks = 0.75;      // of flames (CarriedBaseOptions::looks)
 constexpr float kOverAll = 0.02f;    // light: of a tongue that is all there where it has so much
 constexpr double kMostly =
-    0.5;  // part_above_feet: what is beside such tongues is what they light, wax, a glass or a rim, and stands
-constexpr float kRimLevel = 0.1f;   // of a tongue's light: it covers the ground where it has more
-constexpr double kRimWidth = 0.03;  // of a tongue's height: so far around that its soft rim goes
+    0.5;  // of share_of_light: above it all but tongues stands, as wax, a glass and its rim do
+constexpr float kRimLevel = 0.1f;   // of light that hides the ground
+constexpr double kRimWidth = 0.03;  // of a tongue's height: width of the soft rim around that
 constexpr float kHole = 0.1f,
                 kRim = 0.9f;     // alpha: a hole in the matte has less somewhere; its rim ends there
 constexpr float kPalest = 1.1f;  // times the blue and the green of flames as bright
@@ -181,19 +181,7 @@ std::optional<TongueCourse> course_like(const Animation& animation, std::span<co
   return best ? course_of(clip_forms(snapshot, best->clip, kCourseFrames)) : best;
 }
 
-/// Of all light above where the lowest tongue stands, what tongues have, 0..1.
-double part_above_feet(const std::vector<Tongue>& tongues, const cv::Mat& level) {
-  const double all = cv::sum(light_of(level))[0];
-  double lowest = 0, part = 0;
-  for (const Tongue& tongue : tongues) {
-    lowest = std::max(lowest, tongue.box.y + tongue.foot);
-    part += tongue.part;
-  }
-  const double above = cv::sum(light_of(level.rowRange(0, static_cast<int>(lowest))))[0];
-  return above > 0 ? part * all / above : 0;
-}
-
-/// Heights a second at which tongues are asked to go, each by its light; none where no speed is asked.
+/// Mean speed that is asked of the tongues, heights a second, weighted by light; none where none is asked on them.
 /// level  of the picture's light. motion, speed  of a guide (apply_guide, MotionGuide), the picture's size.
 std::optional<double> asked_speed(const std::vector<Tongue>& tongues, const cv::Mat& level,
                                   const cv::Mat& motion, const cv::Mat& speed) {
@@ -224,21 +212,22 @@ cv::Mat behind(const cv::Mat& light, const Tongue& tongue) {
   return rest;
 }
 
-/// What a tongue leaves, swaying, is as what glows around it: its ground and its soft rim's are continued from there.
-/// What is beside its foot is lit as it is.
+/// Continues the ground behind a tongue and its soft rim from around them. What the ground loses is the tongue's light;
+/// below the foot, where all is lit as it is, it loses nothing.
 void glow_behind(PartedStill& parted, const Tongue& tongue) {
   const cv::Mat level = parted.level(tongue.box);
   cv::Mat ground = parted.ground(tongue.box), light = parted.light(tongue.box), covered = level > kRimLevel;
   const int rim = 2 * std::max(1, static_cast<int>(std::lround(kRimWidth * tongue.height))) + 1;
   cv::dilate(covered, covered, cv::getStructuringElement(cv::MORPH_ELLIPSE, {rim, rim}));
   covered.rowRange(static_cast<int>(tongue.foot), level.rows).setTo(255);
+  if (cv::countNonZero(~covered) == 0) return;
   cv::Mat trust;
   cv::Mat(~covered).convertTo(trust, CV_32F, 1.0 / 255);
   const cv::Mat fill = sampling::pull_push(ground, trust);
   for (int y = 0; y < level.rows; ++y)
-    for (int x = 0; x < level.cols; ++x)
+    for (int x = 0; x < level.cols; ++x) {
+      if (covered.at<std::uint8_t>(y, x) == 0) continue;
       for (int k = 0; k < 3; ++k) {
-        if (covered.at<std::uint8_t>(y, x) == 0) continue;
         float &under = ground.at<cv::Vec3f>(y, x)[k], &over = light.at<cv::Vec3f>(y, x)[k];
         const float least = y < static_cast<int>(tongue.foot) ? -under : 0;
         const float more = tongue.share.at<float>(y, x) *
@@ -246,6 +235,7 @@ void glow_behind(PartedStill& parted, const Tongue& tongue) {
         under += more;
         over -= more;
       }
+    }
 }
 
 /// Takes its tongues out of what is parted.
@@ -428,7 +418,7 @@ class OwnFlames final : public Renderer {
                     : halfway_to_usual(*std::move(course_));
     animation_.report.tongues = tongues.size();
     animation_.report.sways_as = course_->clip;
-    rest_stands_ = part_above_feet(tongues, parted_.level) > kMostly;
+    rest_stands_ = share_of_light(tongues, parted_.level) > kMostly;
     return taken_out(parted_, tongues, *course_);
   }
 

@@ -31,8 +31,8 @@ struct OwnFlamesOptions {
 /// and .006 by day, of a ground darker than .15 less.
 /// A flame of one tongue (tongues_of) is not carried but sways as a whole, as the flame of a clip did; of the first
 /// kCourseClips clips that which is a tongue itself most often, or the calmest; as fast as asked (as_fast_as), else as
-/// restless as halfway_to_usual. Where such flames have more than half of the light above their feet, the rest stands.
-/// Frame 0 is the picture.
+/// restless as halfway_to_usual. Where such flames have more than half of the light (share_of_light), the
+/// rest stands. Frame 0 is the picture.
 /// parted  of this picture, with contrast.
 std::unique_ptr<Renderer> own_flames(Animation& animation, const StillPart& still, PartedStill parted,
                                      const OwnFlamesOptions& options);

@@ -25,7 +25,8 @@ constexpr double kEdge = 0.25;        // of a tongue's width
 constexpr double kAxisSide =
     3.0;  // frames: over which a course is smoothed, its sampling noise being a pixel's
 constexpr double kLowest = 0.6, kHighest = 1.6;
-constexpr int kHeights = 8;  // of a body, at which its speed is read
+constexpr int kHeights = 8;       // of a body, at which its speed is read
+constexpr double kCutOff = 0.05;  // of sways, how many may be cut off at their bounds
 
 double median_of(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
@@ -178,8 +179,7 @@ Tongue tongue_of(const cv::Mat& core) {
              cv::Rect({}, core.size()),
       .share = {},
       .foot = 0,
-      .height = static_cast<double>(foot - box.y),
-      .part = 0};
+      .height = static_cast<double>(foot - box.y)};
   tongue.foot = foot - tongue.box.y;
   return tongue;
 }
@@ -232,12 +232,29 @@ std::vector<Tongue> tongues_of(const cv::Mat& level) {
       cv::bitwise_or(taken, core, taken);
       cores.push_back(core);
       tongues.push_back(tongue_of(core));
-      tongues.back().part = part;
     }
   }
   for (std::size_t i = 0; i < tongues.size(); ++i)
     tongues[i].share = share_of(cores, i, level, tongues[i].box);
   return tongues;
+}
+
+double share_of_light(const std::vector<Tongue>& tongues, const cv::Mat& level) {
+  const cv::Mat light = light_of(level);
+  cv::Mat of_tongues = cv::Mat::zeros(level.size(), CV_32F), lit_by = cv::Mat::zeros(level.size(), CV_8U);
+  for (const Tongue& tongue : tongues) {
+    cv::Mat share = of_tongues(tongue.box);
+    cv::max(share, tongue.share, share);
+    const int foot = tongue.box.y + static_cast<int>(tongue.foot);
+    const cv::Rect below(tongue.box.x, foot, tongue.box.width, tongue.box.br().y - foot);
+    if (below.empty()) continue;
+    const cv::Mat body = level(below) > kShining.front();
+    if (cv::countNonZero(body) > 0 && roughness(level(below), body) <= kSmooth)
+      lit_by(below).setTo(255, body);
+  }
+  const double all = cv::sum(light)[0] - lit(light, lit_by);
+  of_tongues.setTo(0, lit_by);
+  return all > 0 ? std::min(1.0, light.dot(of_tongues) / all) : 0;
 }
 
 cv::Mat swayed(const cv::Mat& light, const Tongue& tongue, const Sway& sway) {
@@ -276,15 +293,16 @@ double TongueCourse::unrest() const {
 }
 
 double TongueCourse::speed() const {
+  if (sways.size() < 2) return 0;
   double sum = 0;
   for (std::size_t i = 1; i < sways.size(); ++i) {
     const Sway &a = sways[i - 1], &b = sways[i];
-    for (int k = 1; k <= kHeights; ++k) {
-      const double up = static_cast<double>(k) / kHeights;
+    for (int k = 0; k < kHeights; ++k) {
+      const double up = (k + 0.5) / kHeights;
       sum += std::hypot(up * (b.lean - a.lean + up * (b.bow - a.bow)), up * (b.stretch - a.stretch));
     }
   }
-  return fps * sum / static_cast<double>(kHeights * sways.size());
+  return fps * sum / static_cast<double>(kHeights * (sways.size() - 1));
 }
 
 namespace {
@@ -295,16 +313,18 @@ TongueCourse widened(TongueCourse course, double times) {
   return course;
 }
 
-/// How many times as wide its sways may be.
+/// Factor by which all sways but kCutOff of them can grow within their bounds.
 double room_of(const TongueCourse& course) {
-  double room = std::numeric_limits<double>::infinity();
+  std::vector<double> rooms;
   for (const Sway& sway : course.sways) {
     const double taller = sway.stretch - 1;
-    for (const double aside : {sway.lean, sway.bow})
-      if (aside != 0) room = std::min(room, kMostSway / std::abs(aside));
+    double room = kMostSway / std::max({std::abs(sway.lean), std::abs(sway.bow), 1e-9});
     if (taller != 0) room = std::min(room, ((taller > 0 ? kHighest : kLowest) - 1) / taller);
+    rooms.push_back(room);
   }
-  return room;
+  const auto cut = rooms.begin() + static_cast<std::ptrdiff_t>(kCutOff * static_cast<double>(rooms.size()));
+  std::ranges::nth_element(rooms, cut);
+  return *cut;
 }
 
 }  // namespace
@@ -317,9 +337,9 @@ TongueCourse halfway_to_usual(TongueCourse course) {
 TongueCourse as_fast_as(TongueCourse course, double speed) {
   const double now = course.speed();
   if (now <= 0) return course;
-  const double wider = std::min(speed / now, room_of(course));
-  course = widened(std::move(course), wider);
-  course.fps *= std::clamp(speed / (now * wider), 1.0, kQuickest);
+  course = widened(std::move(course), std::min(speed / now, room_of(course)));
+  const double then = course.speed();
+  if (speed > then && then > 0) course.fps *= std::min(speed / then, kQuickest);
   return course;
 }
 

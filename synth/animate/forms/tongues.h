@@ -21,7 +21,6 @@ struct Tongue {
   cv::Mat share;  // CV_32F, 0..1, of the box: of the picture's light, what is this tongue's
   double foot = 0,
          height = 0;  // px: the row that it stands on, from the box's top, and how far above it ends
-  double part = 0;    // of all light, what its body has, 0..1
 };
 
 /// Flames that are smooth, upright and of one piece: of what is lighter than .1, .2, .35, .5 or .7, a part that, less
@@ -32,6 +31,11 @@ struct Tongue {
 std::vector<Tongue> tongues_of(const cv::Mat& level);
 inline constexpr double kSolid = 0.85, kSlender = 1.45;
 
+/// What tongues have of all light, 0..1, less what they light below their foot: what shines there, in their box, as
+/// smoothly as they do (wax, the ground).
+/// level  CV_32F, 0..1, of the picture.
+double share_of_light(const std::vector<Tongue>& tongues, const cv::Mat& level);
+
 /// The light of a tongue that sways.
 /// light    CV_32F of any channels, of the box: what is the tongue's.
 /// Returns  of its size and type; where nothing comes from, 0.
@@ -40,13 +44,13 @@ cv::Mat swayed(const cv::Mat& light, const Tongue& tongue, const Sway& sway);
 /// How one clip's flame swayed. Beyond its end it goes back as it came.
 struct TongueCourse {
   store::ClipId clip{};
-  double fps = 25;
+  double fps = 25;          // sways a second
   std::vector<Sway> sways;  // by frame
   double tongue = 0;        // of the clip's frames, 0..1, those with a flame of one tongue
   Sway at(double seconds) const;
   /// Of its height a second: how far lean, bow and stretch change from frame to frame, together.
   double unrest() const;
-  /// Heights a second: how fast its body goes, mean over frames and heights.
+  /// Heights a second: how fast its body goes, mean over frames and between foot and tip.
   double speed() const;
 };
 
@@ -55,11 +59,11 @@ struct TongueCourse {
 TongueCourse halfway_to_usual(TongueCourse course);
 inline constexpr double kUsualUnrest = 0.9;  // heights a second: two candles' geometric mean (.26 and 3.3)
 
-/// The same course, its body as fast as this, heights a second: sways are wider or narrower, within the bounds of
-/// course_of; what that leaves is made up by going through them more quickly, up to kQuickest times. As it is where it
-/// does not move.
+/// The same course, its sways scaled until speed() is this, heights a second, 0 and more; within the bounds of
+/// course_of, beyond which one in twenty may be cut off. Faster than that the course is gone through more quickly, up
+/// to kQuickest times. A course at rest is returned as it is.
 TongueCourse as_fast_as(TongueCourse course, double speed);
-inline constexpr double kQuickest = 4;
+inline constexpr double kQuickest = 2;  // four times loses a third of the way between frames of a film
 
 /// Of the clip's largest flame, frame by frame, about its median: axis by least squares over rows, by their light;
 /// height where all but a fortieth of it is below. Leans are cut off at kMostSway, heights at .6 and 1.6.

@@ -47,7 +47,7 @@ TEST(Tongues, ACandlesFlameIsOneAndAWideARaggedAndATexturedOneAreNot) {
   ASSERT_EQ(tongues.size(), 1);
   EXPECT_NEAR(tongues[0].box.y + tongues[0].foot, 131, 3);
   EXPECT_NEAR(tongues[0].height, 81, 4);
-  EXPECT_GT(tongues[0].part, 0.95);
+  EXPECT_GT(share_of_light(tongues, candle()), 0.95);
 
   cv::Mat wide = cv::Mat::zeros(kPictureSize, CV_32F), ragged = candle(), textured = candle();
   cv::ellipse(wide, {100, 100}, {36, 44}, 0, 0, 360, cv::Scalar(0.95), cv::FILLED);
@@ -143,18 +143,40 @@ TEST(TongueCourse, IsAsFastAsAsked) {
   TongueCourse course{.clip = {}, .fps = 10, .sways = {}, .tongue = 1};
   for (int i = 0; i < 40; ++i)
     course.sways.push_back({.lean = i % 2 == 0 ? 0.05 : -0.05, .bow = 0, .stretch = 1});
-  // All heights between foot and tip go by .1 of theirs, 9.75 times a second.
-  const double speed = 9.75 * 0.1 * 4.5 / 8;
+  const double speed = 10 * 0.1 / 2;  // half way up, from frame to frame
   EXPECT_NEAR(course.speed(), speed, 1e-9);
-  const TongueCourse slower = as_fast_as(course, 0.2 * speed), faster = as_fast_as(course, 14 * speed);
-  EXPECT_NEAR(slower.speed(), 0.2 * speed, 1e-9);
-  EXPECT_EQ(slower.fps, 10);
-  EXPECT_NEAR(faster.speed(), 14 * speed, 1e-9);
+  EXPECT_NEAR(as_fast_as(course, 0.2 * speed).speed(), 0.2 * speed, 1e-9);
+  EXPECT_EQ(as_fast_as(course, 0.2 * speed).fps, 10);
+  const TongueCourse faster = as_fast_as(course, 10.5 * speed);
+  EXPECT_NEAR(faster.speed(), 10.5 * speed, 1e-9);
   EXPECT_NEAR(faster.sways[0].lean, kMostSway, 1e-9);
-  EXPECT_NEAR(faster.fps, 20, 1e-9);
+  EXPECT_NEAR(faster.fps, 15, 1e-9);
   EXPECT_NEAR(as_fast_as(course, 1000).fps, 10 * kQuickest, 1e-9);
+  const TongueCourse still = as_fast_as(course, 0);
+  EXPECT_EQ(still.speed(), 0);
+  EXPECT_EQ(still.fps, 10);
+  course.sways[7].bow = kMostSway;  // one that is cut off does not bind the others
+  EXPECT_NEAR(as_fast_as(course, 4 * speed).sways[0].lean, 4 * 0.05, 0.02);
+  course.sways = {{.lean = 0, .bow = 0.3, .stretch = 1.2}, {}};
+  EXPECT_NEAR(course.speed(), 10 * std::hypot(0.1, 0.1),
+              0.05);  // means of up^2 and of up: a third and a half
   course.sways = {{}, {}};
   EXPECT_EQ(as_fast_as(course, 1).speed(), 0);
+}
+
+TEST(Tongues, ShareOfLightIsLessWhatTheyLightBelow) {
+  cv::Mat lit = candle(), burning = candle();
+  const auto textured = [](cv::Mat where) {
+    for (int y = 0; y < where.rows; ++y)
+      for (int x = 0; x < where.cols; ++x) where.at<float>(y, x) = (x / 5 + y / 5) % 2 == 0 ? 1.0f : 0.4f;
+  };
+  const cv::Rect below(30, 133, 140, 27), far(0, 0, 6, 160);
+  lit(below).setTo(0.8);
+  EXPECT_GT(share_of_light(tongues_of(lit), lit), 0.9);
+  textured(burning(below));
+  EXPECT_LT(share_of_light(tongues_of(burning), burning), 0.5);
+  textured(lit(far));
+  EXPECT_LT(share_of_light(tongues_of(lit), lit), 0.9);
 }
 
 TEST(TongueCourse, OfAClipThatDoesNotShineIsNone) {
@@ -177,18 +199,19 @@ cv::Mat candle_picture() {
   return out;
 }
 
-/// An own flame's film of a picture, 30 frames; speed in px/s, or not asked.
+/// Frames of a picture animated with its own flame; speed in px/s, none: not asked.
 struct CandleFilm {
   AnimateReport report;
   std::vector<cv::Mat> frames;
 };
-CandleFilm film_of(const cv::Mat& picture, std::optional<double> speed = {}) {
+
+CandleFilm film_of(const cv::Mat& picture, std::optional<double> speed = {}, int frames = 30) {
   FlowingClip clip = BurningClip{}.clip();
   clip.steady = {0, -1.6f};
   clip.varying = 0.4f;
   const FlowingStore store({measured(clip)});
   AnimateOptions options;
-  options.frames = 30;
+  options.frames = frames;
   if (speed) options.guide.speed = cv::Mat(kPictureSize, CV_32F, cv::Scalar(*speed));
   CandleFilm film;
   film.report = animate(store.snapshot(), store.settings(), picture,
@@ -196,6 +219,40 @@ CandleFilm film_of(const cv::Mat& picture, std::optional<double> speed = {}) {
                         [&](const cv::Mat& frame) { film.frames.push_back(frame.clone()); });
   EXPECT_EQ(film.report.sways_as, store.id());
   return film;
+}
+
+cv::Mat redness(const cv::Mat& frame) {
+  cv::Mat red;
+  cv::extractChannel(frame, red, 2);
+  cv::Mat(red - 15).convertTo(red, CV_32F, 1.0 / 240);
+  return red;
+}
+
+/// The row, between pixels, where a flame begins.
+double tip_of(const cv::Mat& light) {
+  const int top = top_of(light);
+  double here = 0, above = 0;
+  cv::minMaxLoc(light.row(top), nullptr, &here);
+  cv::minMaxLoc(light.row(top - 1), nullptr, &above);
+  return top - (here - 0.2) / (here - above);
+}
+
+/// px/s: how fast the body of its flame goes, from a quarter of its height to three, once it has left the still.
+double speed_of(const CandleFilm& film) {
+  constexpr int kFoot = 131;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 10; i < film.frames.size(); ++i) {
+    const cv::Mat before = redness(film.frames[i - 1]), now = redness(film.frames[i]);
+    const double tops[] = {tip_of(before), tip_of(now)};
+    for (const double up : {0.25, 0.5, 0.75}) {
+      const int rows[] = {kFoot - static_cast<int>(up * (kFoot - tops[0])),
+                          kFoot - static_cast<int>(up * (kFoot - tops[1]))};
+      sum += std::hypot(centre_of(now, rows[1]) - centre_of(before, rows[0]), up * (tops[1] - tops[0]));
+      ++count;
+    }
+  }
+  return AnimateOptions{}.fps * sum / count;
 }
 
 TEST(OwnFlames, ACandleSwaysInOnePiece) {
@@ -221,25 +278,63 @@ TEST(OwnFlames, ACandleSwaysInOnePiece) {
 
 TEST(OwnFlames, ACandleGoesAsFastAsAsked) {
   const cv::Mat picture = candle_picture();
-  const auto change = [](const CandleFilm& film) {
-    double sum = 0;
-    for (std::size_t i = 10; i < film.frames.size(); ++i)
-      sum += cv::norm(film.frames[i], film.frames[i - 1], cv::NORM_L1);
-    return sum;
-  };
-  const double slow = change(film_of(picture, 3)), quick = change(film_of(picture, 30));
-  EXPECT_GT(slow, 0);
-  EXPECT_GT(quick, 3 * slow);
+  for (const double asked : {20.0, 40.0})
+    EXPECT_NEAR(speed_of(film_of(picture, asked, 90)), asked, 0.3 * asked);
+  const CandleFilm still = film_of(picture, 0);
+  for (const cv::Mat& frame : still.frames)
+    EXPECT_LT(apart(frame(cv::Rect(60, 40, 80, 60)), picture(cv::Rect(60, 40, 80, 60))), 12);
 }
 
 TEST(OwnFlames, WaxThatACandleLightsStands) {
   cv::Mat picture = candle_picture();
-  const cv::Rect wax(70, 133, 60, 27);  // of more light than the flame
+  const cv::Rect wax(60, 133, 80, 27);
   picture(wax).setTo(cv::Scalar(40, 200, 250));
+  EXPECT_GT(cv::sum(redness(picture)(wax))[0], 1.2 * cv::sum(redness(picture).rowRange(0, wax.y))[0]);
   const CandleFilm film = film_of(picture);
   EXPECT_EQ(film.report.tongues, 1);
   const cv::Rect within(wax.x + 3, wax.y + 8, wax.width - 6, wax.height - 10);
   for (const cv::Mat& frame : film.frames) EXPECT_LT(apart(frame(within), picture(within)), 12);
+}
+
+TEST(OwnFlames, NothingOfACandleStaysWhereItSwayedAwayFrom) {
+  const cv::Mat picture = candle_picture();
+  const cv::Vec3b wall = picture.at<cv::Vec3b>(5, 5);
+  const CandleFilm film = film_of(picture, 60);
+  cv::Mat was = redness(picture) > 0.03;
+  int left = 0;
+  for (const cv::Mat& frame : film.frames) {
+    cv::Mat burns = redness(frame) > 0.3, near;
+    cv::dilate(burns, near, cv::Mat(), {-1, -1}, 3);
+    const cv::Mat empty = was & ~near;
+    left += cv::countNonZero(empty.rowRange(0, 120));
+    for (int y = 0; y < 120; ++y)
+      for (int x = 0; x < frame.cols; ++x)
+        if (empty.at<std::uint8_t>(y, x) != 0) {
+          EXPECT_LT(cv::norm(frame.at<cv::Vec3b>(y, x), wall, cv::NORM_INF), 40) << x << ' ' << y;
+        }
+  }
+  EXPECT_GT(left, 100);
+}
+
+TEST(OwnFlames, ACloseCandleInABrightGlowLeavesNoHole) {
+  cv::Mat level = candle();
+  cv::max(level, 0.3, level);
+  cv::Mat picture(kPictureSize, CV_8UC3);
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x) {
+      const float l = level.at<float>(y, x);
+      picture.at<cv::Vec3b>(y, x) = {cv::saturate_cast<std::uint8_t>(60 * l),
+                                     cv::saturate_cast<std::uint8_t>(170 * l),
+                                     cv::saturate_cast<std::uint8_t>(255 * l)};
+    }
+  const double darkest = 0.3 * 255;
+  for (const cv::Mat& frame : film_of(picture, 60).frames) {
+    double least = 0;
+    cv::Mat red;
+    cv::extractChannel(frame.rowRange(0, 125), red, 2);
+    cv::minMaxLoc(red, &least);
+    EXPECT_GT(least, 0.5 * darkest);
+  }
 }
 
 }  // namespace
