@@ -333,6 +333,7 @@ class Trial {
     else
       options.guide = asked.labels;
     options.candidates.direction_deg = asked.direction_deg;
+    query::let_looks_choose_flames(case_.matte, options);
     const query::Labelling labelling = query::label(snapshot_, base_, case_.still, case_.matte, options);
     return labelled_
         .emplace(key, Labelled{std::move(asked), labelling.assignment,

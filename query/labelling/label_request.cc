@@ -1,8 +1,11 @@
 #include "query/labelling/label_request.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "freshet/error.h"
 #include "query/labelling/motion_guess.h"
@@ -45,6 +48,24 @@ void adopt_guess(const MotionGuide& guess, LabelOptions& options) {
   options.guide.tolerance_deg = guess.tolerance_deg;
 }
 
+void let_looks_choose_flames(const cv::Mat& matte, LabelOptions& options) {
+  const MotionGuide& guide = options.guide;
+  if (options.hint_search != HintSearch::kWide || options.candidates.class_name != vision::kFire ||
+      guide.direction.empty() || guide.speed.empty())
+    return;
+  check_guide(guide, matte.size());
+  std::vector<float> speeds;
+  for (int y = 0; y < matte.rows; ++y)
+    for (int x = 0; x < matte.cols; ++x)
+      if (matte.at<std::uint8_t>(y, x) > 127 && guide.speed.at<float>(y, x) >= 0)
+        speeds.push_back(guide.speed.at<float>(y, x));
+  if (speeds.empty()) return;
+  const auto fast = speeds.begin() + static_cast<std::ptrdiff_t>(9 * speeds.size() / 10);
+  std::ranges::nth_element(speeds, fast);
+  if (*fast >= kFlamesGo * std::max(matte.cols, matte.rows))
+    options.guide_costs = weighted(options.guide_costs, 0);
+}
+
 PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                           const cv::Mat& matte, const LabelRequest& request, const ProgressFunction& progress,
                           std::stop_token stop, LabellingMemo* memo) {
@@ -58,6 +79,7 @@ PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& bas
   if (!options.guide.direction.empty()) options.candidates.direction_deg.reset();
   prepared.kind = choose_kind(snapshot, base, picture, request.looked_at.empty() ? matte : request.looked_at,
                               options.guide, options.candidates);
+  let_looks_choose_flames(matte, options);
   if (!may_guess(request)) return prepared;
 
   if (progress) progress({"guessing the motion", 0, 0});

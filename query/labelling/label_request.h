@@ -45,6 +45,14 @@ MotionGuide guide_of_animation(const LabelRequest& request, cv::Size picture);
 /// becomes a narrow one, of directions alone.
 void adopt_guess(const MotionGuide& guess, LabelOptions& options);
 
+/// Of fire that is asked to go, by direction and speed, looks alone choose in a wide search (guide_costs 0): flames
+/// leap and flicker on the spot, and those that go as slowly in the mean hardly burn. Where the fastest tenth of what
+/// is asked in the matte is slower than kFlamesGo, the calm are meant.
+/// matte    CV_8U. Throws as check_guide.
+void let_looks_choose_flames(const cv::Mat& matte, LabelOptions& options);
+/// Of the picture's longer side, a second. Asked of a burner, .014; of campfires, a wall and grass, .1 to .8.
+inline constexpr double kFlamesGo = 0.04;
+
 struct PreparedLabelling {
   LabelOptions options;  // complete; guide holds what is guessed where it said no direction
   KindChoice kind;       // whose class the candidates are of
@@ -55,6 +63,7 @@ struct PreparedLabelling {
 /// search without a hint comes first (stage "guessing the motion"), and options.guide is given the guessed directions
 /// and their tolerance; a speed that was asked stays. What is asked of the animation's motion is guide_of_animation all
 /// the same: a guess chooses patches and turns nothing, so that the search is narrow where it says a direction.
+/// let_looks_choose_flames holds.
 /// picture, matte   as search_candidates takes them. memo   may be null.
 /// Throws           as search_candidates.
 PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,

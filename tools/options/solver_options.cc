@@ -49,7 +49,7 @@ void SolverOptions::add_to(CLI::App& command) {
       .add_option(
           "--hint-weight", hint_weight_,
           "Weight, among a piece's candidates, of moving as asked; 0: of those that the search found, the "
-          "looks alone choose")
+          "looks alone choose, as they do in fires whose speed is asked")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str()
       ->group(in_detail("Labelling"));

@@ -9,7 +9,8 @@
 
 namespace freshet::vision {
 
-inline constexpr std::array<const char*, 4> kFluidKinds{"water", "fire", "smoke", "clouds"};
+inline constexpr const char* kFire = "fire";
+inline constexpr std::array<const char*, 4> kFluidKinds{"water", kFire, "smoke", "clouds"};
 
 struct FluidKind {
   std::array<double, kFluidKinds.size()> share{};  // probabilities, of sum 1

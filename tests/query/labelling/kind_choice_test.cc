@@ -66,6 +66,30 @@ TEST_F(Kinds, ASureLookTakesItsClassAloneAndSaysHowToOverruleIt) {
   EXPECT_FALSE(has(labelled(seen.options).assignment, "water"));
 }
 
+TEST_F(Kinds, FlamesThatAreAskedToGoAreChosenByTheirLooks) {
+  fill(kMixed);
+  const cv::Size picture = fire_.picture.size();
+  LabelRequest request{.duration_s = .5, .guesses = false};
+  request.options.candidates.k = 8;
+  const auto price = [&] {
+    const GuideCosts costs =
+        prepare(*snapshot_, *base_, fire_.picture, fire_.matte, request).options.guide_costs;
+    return costs.direction + costs.speed + costs.unsteady;
+  };
+  request.options.guide.direction = cv::Mat(picture, CV_32FC2, cv::Scalar(0, -1));
+  EXPECT_GT(price(), 0);
+  request.options.guide.speed = cv::Mat(picture, CV_32F, cv::Scalar(20));
+  EXPECT_EQ(price(), 0);
+  request.options.guide.speed.setTo(8, fire_.matte);  // what is asked beside them does not count
+  EXPECT_GT(price(), 0);
+  request.options.guide.speed.setTo(20);
+  request.options.hint_search = HintSearch::kNarrow;
+  EXPECT_GT(price(), 0);
+  request.options.hint_search = HintSearch::kWide;
+  request.options.candidates.class_name = "water";
+  EXPECT_GT(price(), 0);
+}
+
 TEST_F(Kinds, WhatIsHeldBackCountsToTheLook) {
   fill(kMixed);
   LabelRequest request{.duration_s = .5, .guesses = false};
