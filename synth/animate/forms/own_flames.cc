@@ -31,6 +31,7 @@ constexpr float kOverAll = 0.02f;    // light: of a tongue that is all there whe
 constexpr double kMostly =
     0.5;  // of share_of_light: above it all but tongues stands, as wax, a glass and its rim do
 constexpr float kRimLevel = 0.1f;   // of light that hides the ground
+constexpr double kOwn = 0.99;       // of a tongue's share: what is its own, and not what burns beside it
 constexpr double kRimWidth = 0.03;  // of a tongue's height: width of the soft rim around that
 constexpr float kHole = 0.1f,
                 kRim = 0.9f;     // alpha: a hole in the matte has less somewhere; its rim ends there
@@ -199,10 +200,22 @@ std::optional<double> asked_speed(const std::vector<Tongue>& tongues, const cv::
   return weight > 0 ? std::optional(sum / weight) : std::nullopt;
 }
 
-/// Light around a tongue, continued behind it: CV_32FC3, of its box, no more than is there.
-cv::Mat behind(const cv::Mat& light, const Tongue& tongue) {
+/// Where a tongue and its soft rim hide what is behind, CV_8U, of its box.
+cv::Mat covered_by(const Tongue& tongue, const cv::Mat& level) {
+  cv::Mat covered = (level > kRimLevel) & (tongue.share > kOwn);
+  const int rim = 2 * std::max(1, static_cast<int>(std::lround(kRimWidth * tongue.height))) + 1;
+  cv::dilate(covered, covered, cv::getStructuringElement(cv::MORPH_ELLIPSE, {rim, rim}));
+  return covered;
+}
+
+/// Light around a tongue, continued behind it: CV_32FC3, of its box, no more than is there, and than goes on from just
+/// beyond its rim.
+cv::Mat behind(const cv::Mat& light, const cv::Mat& covered, const Tongue& tongue) {
   const cv::Mat trust = 1 - tongue.share;
-  cv::Mat fill = sampling::pull_push(light, trust.mul(trust)), rest(light.size(), light.type());
+  cv::Mat beyond, rest(light.size(), light.type());
+  cv::Mat(~covered).convertTo(beyond, CV_32F, 1.0 / 255);
+  const cv::Mat fill =
+      cv::min(sampling::pull_push(light, trust.mul(trust)), sampling::pull_push(light, beyond));
   for (int y = 0; y < light.rows; ++y)
     for (int x = 0; x < light.cols; ++x)
       for (int k = 0; k < 3; ++k) {
@@ -216,9 +229,8 @@ cv::Mat behind(const cv::Mat& light, const Tongue& tongue) {
 /// below the foot, where all is lit as it is, it loses nothing.
 void glow_behind(PartedStill& parted, const Tongue& tongue) {
   const cv::Mat level = parted.level(tongue.box);
-  cv::Mat ground = parted.ground(tongue.box), light = parted.light(tongue.box), covered = level > kRimLevel;
-  const int rim = 2 * std::max(1, static_cast<int>(std::lround(kRimWidth * tongue.height))) + 1;
-  cv::dilate(covered, covered, cv::getStructuringElement(cv::MORPH_ELLIPSE, {rim, rim}));
+  cv::Mat ground = parted.ground(tongue.box), light = parted.light(tongue.box),
+          covered = covered_by(tongue, level);
   covered.rowRange(static_cast<int>(tongue.foot), level.rows).setTo(255);
   if (cv::countNonZero(~covered) == 0) return;
   cv::Mat trust;
@@ -249,7 +261,7 @@ std::vector<OwnTongue> taken_out(PartedStill& parted, const std::vector<Tongue>&
                   .later = seconds * static_cast<double>(out.size()) / static_cast<double>(tongues.size())};
     glow_behind(parted, tongue);
     cv::Mat light = parted.light(tongue.box), level = parted.level(tongue.box);
-    const cv::Mat rest = behind(light, tongue), of_rest = luma_of(rest);
+    const cv::Mat rest = behind(light, covered_by(tongue, level), tongue), of_rest = luma_of(rest);
     for (int y = 0; y < light.rows; ++y)
       for (int x = 0; x < light.cols; ++x) {
         const cv::Vec3f taken = light.at<cv::Vec3f>(y, x) - rest.at<cv::Vec3f>(y, x);
