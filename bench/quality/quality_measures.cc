@@ -288,19 +288,14 @@ Distance compare(const Film& film, const Film& truth, const Region& region) {
   const auto apart = [](double a, double b) {
     return 10 / std::log2(10.0) * std::abs(log2_ratio(a, b, kPowerFloor));
   };
-  cv::Mat variance;
-  cv::resize(truth.deviation.mul(truth.deviation), variance, blocks.size(), 0, 0, cv::INTER_AREA);
-  double decibels = 0, seen_decibels = 0;
-  int compared = 0, seen = 0;
+  double decibels = 0;
+  int compared = 0;
   std::array<double, kSpectrumBands> film_power{}, true_power{};
   for (int block = 0; block < truth.power.rows; ++block) {
-    const int y = block / blocks.cols, x = block % blocks.cols;
-    if (blocks.at<std::uint8_t>(y, x) == 0) continue;
-    const bool is_seen = variance.at<float>(y, x) >= 1;
+    if (blocks.at<std::uint8_t>(block / blocks.cols, block % blocks.cols) == 0) continue;
     for (int b = 0; b < kSpectrumBands; ++b, ++compared) {
       const double a = film.power.at<float>(block, b), t = truth.power.at<float>(block, b);
       decibels += apart(a, t);
-      if (is_seen) seen_decibels += apart(a, t), ++seen;
       film_power[b] += a;
       true_power[b] += t;
     }
@@ -308,7 +303,6 @@ Distance compare(const Film& film, const Film& truth, const Region& region) {
   const double count = std::max(1, compared / kSpectrumBands);
   for (int b = 0; b < kSpectrumBands; ++b)
     distance.matte_db += apart(film_power[b] / count, true_power[b] / count) / kSpectrumBands;
-  if (seen > 0) distance.seen_db = seen_decibels / seen;
   distance.spectrum_db = compared > 0 ? decibels / compared : 0;
 
   const cv::Mat inside = blocks_in(region.matte, kMotionBlock);

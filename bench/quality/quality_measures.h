@@ -94,10 +94,7 @@ Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions,
 struct Distance {
   double spectrum_db = 0;  // mean |difference| over blocks and bands. Power below 1e-3 (30 dB below one grey
                            // level) counts as that: a still is some 40 dB away, not infinitely far.
-  // The same over the blocks whose truth deviates over time by 1 grey level (root mean square) or more; NaN: none.
-  double seen_db = kNotMeasured;
-  double matte_db =
-      0;  // as spectrum_db, of the power of all blocks together: where in the matte does not matter
+  double matte_db = 0;     // the same of the power of all blocks together: where in the matte does not matter
   double angle_deg = 0;  // mean over blocks of the angle between mean motions, where the truth's is at least
                          // kMinSpeed; 90 where nothing moves in the film
   double speed = 0;      // log2 of the ratio of mean speeds over these blocks; signed

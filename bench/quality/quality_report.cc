@@ -87,7 +87,6 @@ const std::vector<Figure>& figures() {
   using D = const Distance&;
   static const std::vector<Figure> all{
       {"spectrum_db", "spectrum dB", [](D d) { return d.spectrum_db; }, 1},
-      {"seen_db", "where seen dB", [](D d) { return d.seen_db; }, 1},
       {"matte_db", "of matte dB", [](D d) { return d.matte_db; }, 1},
       {"angle_deg", "angle deg", [](D d) { return d.angle_deg; }, 1},
       {"speed", "speed log2", [](D d) { return std::abs(d.speed); }, 2},

@@ -188,21 +188,6 @@ TEST(QualityMeasures, PowerOfTheMatteDoesNotAskWhere) {
   EXPECT_NEAR(distance.matte_db, 0, 1e-3);
 }
 
-TEST(QualityMeasures, WhatIsSeenOfTheTruthIsComparedApart) {
-  const auto trembling = [](double amplitude_at_right) {
-    return [amplitude_at_right](int x, int y, int t) {
-      if (x < 96) return 128.0 + (x + y + t) % 2;  // half a grey level
-      return 128 + amplitude_at_right * std::cos(1.7 * t + 0.1 * t * t + 0.3 * x + 0.2 * y);
-    };
-  };
-  const auto stands_at_left = [&](int x, int y, int t) { return x < 96 ? 128.0 : trembling(20)(x, y, t); };
-  const Distance far = compare(film_with(stands_at_left), film_with(trembling(20)), everywhere());
-  EXPECT_GT(far.spectrum_db, 1);
-  EXPECT_NEAR(far.seen_db, 0, 1e-6);
-  const Distance unseen = compare(film_with(stands_at_left), film_with(trembling(0)), everywhere());
-  EXPECT_TRUE(std::isnan(unseen.seen_db));
-}
-
 TEST(QualityMeasures, AnglesAndSpeedsAreThoseOfTheFlow) {
   const auto grain = [](int x, int y, int) { return (x * 7 + y * 13) % 200; };
   const Film truth = film_with(grain, {1, 0});
