@@ -341,7 +341,8 @@ class CarriedRenderer final : public Renderer {
     renew_what_goes();
     finisher_.emplace(
         finisher_of(animation_, whole_, own_colour,
-                    copies_ ? ColourCurve(whole_.target, whole_.luma, whole_.alpha) : ColourCurve()));
+                    copies_ ? ColourCurve(whole_.target, whole_.luma, whole_.alpha) : ColourCurve(),
+                    ColourRange(whole_.target, whole_.luma, whole_.alpha)));
     if (!layout_ && !glitter_) return;
     // The bands that a sum of bands falls into are not quite those, and mixed layers agree at first: what the first
     // frame is short of the picture.

@@ -73,11 +73,12 @@ Exposure expose(const Animation& animation, const StillPart& still, const BaseIm
 }
 
 FrameFinisher finisher_of(const Animation& animation, const StillPart& still, const cv::Mat& own_colour,
-                          const ColourCurve& curve) {
-  if (!animation.options.moving()) return FrameFinisher(still.colours, curve, own_colour, still.target);
+                          const ColourCurve& curve, const ColourRange& range) {
+  if (!animation.options.moving())
+    return FrameFinisher(still.colours, curve, own_colour, still.target, range);
   return FrameFinisher({.slope = sampling::pull_push(still.colours.slope, still.alpha),
                         .offset = sampling::pull_push(still.colours.offset, still.alpha)},
-                       curve, sampling::pull_push(own_colour, still.alpha), still.behind);
+                       curve, sampling::pull_push(own_colour, still.alpha), still.behind, range);
 }
 
 }  // namespace freshet::synth::animate

@@ -10,6 +10,7 @@
 #include "synth/animate/still/base_image.h"
 #include "synth/animate/still/colour_curve.h"
 #include "synth/animate/still/colour_model.h"
+#include "synth/animate/still/colour_range.h"
 #include "synth/animate/still/finished_frame.h"
 
 namespace freshet::synth::animate {
@@ -55,7 +56,8 @@ Exposure expose(const Animation& animation, const StillPart& still, const BaseIm
 
 /// The last step of frames. With a moving outline the fluid's layers go on beyond the still matte, for it to uncover.
 /// curve   of what is carried; empty where nothing is.
+/// range   of the picture's fluid; empty: no limit.
 FrameFinisher finisher_of(const Animation& animation, const StillPart& still, const cv::Mat& own_colour,
-                          const ColourCurve& curve = {});
+                          const ColourCurve& curve = {}, const ColourRange& range = {});
 
 }  // namespace freshet::synth::animate

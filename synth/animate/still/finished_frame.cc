@@ -77,13 +77,17 @@ struct FrameFinisher::Row {
       bring(blue.data() + begin, fraction.data() + begin, n, chroma[0].data() + begin);
       bring(red.data() + begin, fraction.data() + begin, n, chroma[2].data() + begin);
     }
+    std::array<const std::uint16_t*, 3> still{};
+    for (std::size_t k = 0; k < 3; ++k) still[k] = of.still_[k].ptr<std::uint16_t>(y) + begin;
+    of.range_.limit(luma + begin, still, 255 * kOfLevel, n, chroma[0].data() + begin,
+                    chroma[2].data() + begin);
     green_chroma(chroma[0].data() + begin, chroma[2].data() + begin, n, chroma[1].data() + begin);
   }
 };
 
 FrameFinisher::FrameFinisher(const ColourModel& model, const ColourCurve& curve, const cv::Mat& own_colour,
-                             const cv::Mat& still)
-    : curve_(curve) {
+                             const cv::Mat& still, const ColourRange& range)
+    : curve_(curve), range_(range) {
   const auto chroma_of = [&](int channel, Chroma& out) {
     cv::Mat own;
     cv::extractChannel(model.slope, out.slope, channel);

@@ -8,6 +8,7 @@
 #include "synth/animate/still/carried_base.h"
 #include "synth/animate/still/colour_curve.h"
 #include "synth/animate/still/colour_model.h"
+#include "synth/animate/still/colour_range.h"
 
 namespace freshet::synth::animate {
 
@@ -20,8 +21,9 @@ class FrameFinisher {
   /// own_colour   CV_32FC3: what colour does beside the model.
   /// still        CV_32FC3, 0..1 (finish_fluid: and above): what shows where the fluid does not; unchanged where a
   ///              matte is 0.
+  /// range        colours beyond which none is made.
   FrameFinisher(const ColourModel& model, const ColourCurve& curve, const cv::Mat& own_colour,
-                const cv::Mat& still);
+                const cv::Mat& still, const ColourRange& range = {});
 
   /// luma     CV_32F.
   /// fluid    CV_32F, 0..1: the matte.
@@ -34,6 +36,7 @@ class FrameFinisher {
 
  private:
   ColourCurve curve_;
+  ColourRange range_;
   float brightest_ = 1;
   cv::Mat ground_;  // CV_8UC3: still
   struct Chroma {

@@ -115,6 +115,26 @@ TEST(FrameFinisher, WhatWasCarriedBringsItsColour) {
   EXPECT_GT(most, 0.5) << "hardly anything was carried";
 }
 
+TEST(FrameFinisher, MakesNoColourThatThePictureHasNot) {
+  const Parts parts;
+  cv::Mat grey, light = noise(kSize, CV_32F, 9, 0, 1);
+  cv::merge(std::vector<cv::Mat>(3, light), grey);
+  const cv::Mat all(kSize, CV_32F, cv::Scalar(1));
+  const FrameFinisher free(parts.model, parts.curve, parts.own_colour, grey),
+      finisher(parts.model, parts.curve, parts.own_colour, grey, ColourRange(grey, luma_of(grey), all));
+  const CarriedFrame carried = carried_frame();
+  for (const CarriedFrame* brought : {static_cast<const CarriedFrame*>(nullptr), &carried}) {
+    const auto most_colour = [&](const FrameFinisher& by) {
+      std::vector<cv::Mat> channels;
+      cv::split(by.finish(light, all, brought), channels);
+      return std::max(cv::norm(channels[0], channels[1], cv::NORM_INF),
+                      cv::norm(channels[2], channels[1], cv::NORM_INF));
+    };
+    EXPECT_GT(most_colour(free), 20);
+    EXPECT_LE(most_colour(finisher), 1);
+  }
+}
+
 TEST(FrameFinisher, LeavesTheStillPictureAsItIsWhereThereIsNoFluid) {
   Parts parts;
   cv::Mat bytes(kSize, CV_8UC3);
