@@ -627,10 +627,8 @@ class CarriedRenderer final : public Renderer {
     carried.frame = base_->frame(copies);
     show_carried(*carried.frame, exposure_, carried.luma);
     if (animation_.options.moving()) carried.luma = sampling::pull_push(carried.luma, still_.alpha);
-    const cv::Mat stands =
-        restore_contrast(carried.luma, copies, step_px_, renewed_shares(standing_->levels(), anew), renewing_,
-                         *standing_, anew, options_.contrast);
-    if (bodies_ < 1) colour_->bring(*carried.frame, stands * (1 - bodies_));
+    restore_contrast(carried.luma, copies, step_px_, renewed_shares(standing_->levels(), anew), renewing_,
+                     *standing_, anew, options_.contrast);
     return carried;
   }
 

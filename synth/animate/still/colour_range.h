@@ -8,12 +8,12 @@
 
 namespace freshet::synth::animate {
 
-/// A place's colour is a sum: what stands there, what the copies bring, what a line that was fitted nearby (ColourModel)
-/// says of a luminance that it never had. The sum of two colours is often a third: the yellow by which a cloud differs
-/// from its blue sky made orange rims on other clouds, wet sand beside a green sea glowed orange, and a blue mountain in
-/// mist turned pink. So no frame has a colour that the picture's fluid has not at that luminance: blue less luma and red
-/// less luma end at the least and the most of the fluid's pixels. A place may always keep the colour that it has in the
-/// picture, and what is rare in it stays rare, but is not lost.
+/// A place's colour is a sum: what stands there, what the copies bring, what a line that was fitted nearby
+/// (ColourModel) says of a luminance that it never had. The sum of two colours is often a third: the yellow by which a
+/// cloud differs from its blue sky made orange rims on other clouds, wet sand beside a green sea glowed orange, and a
+/// blue mountain in mist turned pink. So no frame has a colour that the picture's fluid has not at that luminance: blue
+/// less luma and red less luma end at the least and the most of the fluid's pixels. A place may always keep the colour
+/// that it has in the picture, and what is rare in it stays rare, but is not lost.
 class ColourRange {
  public:
   /// No limit.

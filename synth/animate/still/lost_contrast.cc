@@ -157,9 +157,9 @@ FRESHET_WIDE void scale_row(const sampling::WidenedRows::Row& carried, const flo
 
 }  // namespace
 
-cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
-                         std::span<const double> renewed, const cv::Mat& where,
-                         const StandingDetail& standing, double begun, const LostContrastOptions& options) {
+void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
+                      std::span<const double> renewed, const cv::Mat& where, const StandingDetail& standing,
+                      double begun, const LostContrastOptions& options) {
   const int levels = standing.levels();
   const Mixture mixture(copies);
   std::vector<cv::Mat> bands;
@@ -184,7 +184,6 @@ cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int ste
                 {}, carried, stands);
   bring_to(standing.band(levels), stands, step, levels, bands.back());
   luma = vision::collapse(std::move(bands), matched);
-  return stands;
 }
 
 void lay_texture(cv::Mat& luma, std::span<const CopyMap> copies, int step, std::span<const double> renewed,

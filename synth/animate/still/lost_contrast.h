@@ -33,15 +33,14 @@ struct LostContrastOptions {
 /// standing what of each level is the picture's own, in its place. What is carried gives way to it: with c the
 ///          correlation of both, s and a their weights, s^2 + a^2 + 2 s a c = 1, so that contrast stays as it is. s is
 ///          the share times 1 - c: what has hardly moved goes on, not half of it. The low-pass rest has a mean, and is
-///          mixed as s and 1 - s; this s is returned, CV_32F, sampled as the maps (StandingColour::bring). Then the
-///          level as a whole takes the picture's magnitude (StandingDetail::match).
+///          mixed as s and 1 - s. Then the level as a whole takes the picture's magnitude (StandingDetail::match).
 /// begun    how far the frame has left the still, 0..1: to this power the magnitude is matched. The still is as it is.
 /// luma     CV_32F, the picture's size; changed in place.
 /// copies   of this frame; step px of the picture between samples of their maps.
 /// Cost     one Laplacian pyramid of the picture. Safe from many threads.
-cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
-                         std::span<const double> renewed, const cv::Mat& where,
-                         const StandingDetail& standing, double begun, const LostContrastOptions& options);
+void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
+                      std::span<const double> renewed, const cv::Mat& where, const StandingDetail& standing,
+                      double begun, const LostContrastOptions& options);
 
 /// The same of a texture: `luma` is what the copies bring of StandingLayout::texture, and becomes the frame's. Each
 /// band takes the magnitude of its place, and lies over what stands there.

@@ -11,7 +11,6 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kColourStep = 8;            // of half the picture: what is finer goes with the fluid
 constexpr int kCells = 48;                // along the longer side, in which means are taken
 constexpr double kReach = kCells / 12.0;  // cells: sigma
 constexpr double kLeastMass = 1e-4;
@@ -69,23 +68,6 @@ StandingColour::StandingColour(const FluidPlanes& planes, const cv::Mat& matte)
   const auto cells = [unit](int n) { return std::max(1, static_cast<int>(std::lround(unit * n))); };
   cv::resize(matte, cells_, {cells(matte.cols), cells(matte.rows)}, 0, 0, cv::INTER_AREA);
   mass_ = cv::max(around(cells_), kLeastMass);
-}
-
-void StandingColour::bring(CarriedFrame& frame, const cv::Mat& stands) const {
-  const cv::Size half = frame.blue.size();
-  const cv::Size coarse((half.width + kColourStep - 1) / kColourStep,
-                        (half.height + kColourStep - 1) / kColourStep);
-  const cv::Mat empty = frame.fraction <= 0;
-  const std::array<cv::Mat*, 2> planes{&frame.blue, &frame.red};
-  cv::Mat share, away, wide;
-  cv::resize(stands, share, coarse, 0, 0, cv::INTER_LINEAR);
-  for (std::size_t k = 0; k < planes.size(); ++k) {
-    cv::subtract(colour_[k], *planes[k], away, cv::noArray(), CV_32F);
-    away.setTo(0, empty);
-    cv::resize(away, wide, coarse, 0, 0, cv::INTER_AREA);
-    cv::resize(wide.mul(share), away, half, 0, 0, cv::INTER_LINEAR);
-    cv::add(*planes[k], away, *planes[k], cv::noArray(), CV_16S);
-  }
 }
 
 void StandingColour::hold(cv::Mat& luma, CarriedFrame* frame, double share) const {

@@ -20,9 +20,6 @@ class StandingColour {
   /// Memory   8 bytes a pixel.
   StandingColour(const FluidPlanes& planes, const cv::Mat& matte);
 
-  /// Brings the colour of what is carried to the picture's as far as the low-pass rest stands, in squares of 16 px.
-  /// stands   CV_32F, 0..1: the rest's share, sampled in even squares of the picture (restore_contrast).
-  void bring(CarriedFrame& frame, const cv::Mat& stands) const;
   /// Holds the means of luma (CV_32F, the picture's size) and, of a frame that brings its colour, of that.
   /// frame    or null. Cost: two passes. Safe from many threads.
   /// share    of what they departed by, 0..1.

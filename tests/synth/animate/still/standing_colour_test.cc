@@ -13,25 +13,6 @@ namespace {
 
 constexpr int kWidth = 96, kHeight = 64, kStep = 4;
 
-TEST(StandingColour, BringsTheColourOfAPlaceAndNotItsDetail) {
-  cv::Mat picture(kHeight, kWidth, CV_32FC3, cv::Scalar(0.2, 0.5, 0.8)),
-      luma(kHeight, kWidth, CV_32F, cv::Scalar(0.5)), matte(luma.size(), CV_32F, cv::Scalar(1));
-  const StandingColour standing(fluid_planes(picture, luma, matte), matte);
-  const cv::Size half(kWidth / 2, kHeight / 2);
-  CarriedFrame frame{
-      .luma = {}, .blue = cv::Mat(half, CV_16S, cv::Scalar(0)), .red = cv::Mat(half, CV_16S), .fraction = {}};
-  for (int y = 0; y < half.height; ++y)  // checks of 1 px about .3
-    for (int x = 0; x < half.width; ++x)
-      frame.red.at<std::int16_t>(y, x) =
-          static_cast<std::int16_t>(CarriedFrame::kOne * ((x + y) % 2 ? 0.4 : 0.2));
-  frame.fraction = cv::Mat(half, CV_16S, cv::Scalar(CarriedFrame::kOne));
-  standing.bring(frame, cv::Mat(kHeight / kStep, kWidth / kStep, CV_32F, cv::Scalar(0.5)));
-  EXPECT_NEAR(frame.blue.at<std::int16_t>(20, 30), -0.15 * CarriedFrame::kOne, 8);
-  const double a = frame.red.at<std::int16_t>(20, 30), b = frame.red.at<std::int16_t>(20, 31);
-  EXPECT_NEAR(a + b, 0.6 * CarriedFrame::kOne, 16);
-  EXPECT_NEAR(b - a, 0.2 * CarriedFrame::kOne, 16);
-}
-
 /// A picture of one colour, and what was carried of it.
 struct Still {
   cv::Mat picture{kHeight, kWidth, CV_32FC3, cv::Scalar(0.2, 0.5, 0.8)};
