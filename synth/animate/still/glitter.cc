@@ -22,13 +22,14 @@ constexpr double kLeastSigma = 4;  // samples: so wide a blur is left once what 
 constexpr double kAround_px = 10;  // sigma of what a place shows
 constexpr double kSparkle_px = 17, kLargest_px = 33;  // of sparkles, and of sparkles that run together
 constexpr double kUsualOver_px = 14;                  // sigma of their usual strength
-constexpr double kMuchFrom = 0.1, kMuchSure = 0.15;   // of all light above the ground
-constexpr double kRipples = 1;                        // times the mean light above the ground beside sparkles
-constexpr float kDark = 0.02f;                        // luma: a ground counts as no darker
-constexpr float kCarriedPart = 0.25f;                 // a carried plane holds -2..2
-constexpr float kStrongest = 7;                       // times the usual, less 1
-constexpr float kLeastUsual = 2e-3f;                  // luma
-constexpr float kLeastAgreement = 0.5f;               // of the sum of squares of weights
+constexpr double kRim_px = 8;  // sigma, over which it begins: a glint by itself lay in a disc, as of glass
+constexpr double kMuchFrom = 0.1, kMuchSure = 0.15;  // of all light above the ground
+constexpr double kRipples = 1;                       // times the mean light above the ground beside sparkles
+constexpr float kDark = 0.02f;                       // luma: a ground counts as no darker
+constexpr float kCarriedPart = 0.25f;                // a carried plane holds -2..2
+constexpr float kStrongest = 7;                      // times the usual, less 1
+constexpr float kLeastUsual = 2e-3f;                 // luma
+constexpr float kLeastAgreement = 0.5f;              // of the sum of squares of weights
 
 /// From where on a place seems to glitter, and surely does.
 struct Steps {
@@ -152,7 +153,7 @@ Glitter::Glitter(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& mat
   const double glitters = share * smoothstep(kMuchFrom, kMuchSure, seen.share(seen.shows(kSure)));
   if (glitters <= 0) return;
 
-  where_ = seen.shows(kBeside) * glitters;
+  where_ = blurred(seen.shows(kBeside), kRim_px * unit).mul(matte, glitters);
   // Channel by channel: a white sparkle lies on green water. The ground keeps ripples as they are beside the sparkles.
   const cv::Mat beside = matte.mul(1 - where_);
   const double largest = kLargest_px * unit;

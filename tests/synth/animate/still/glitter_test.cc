@@ -81,6 +81,19 @@ TEST(Glitter, IsStrongLevelAndBright) {
   EXPECT_FALSE(found(glittering(), 0).any());
 }
 
+TEST(Glitter, AGlintByItselfHasNoRim) {
+  cv::Mat picture = glittering();
+  picture(cv::Rect(500, 100, 22, 6)) = kLight;
+  const cv::Rect around(450, 60, 120, 90);
+  const cv::Mat where = found(picture).where()(around);
+  cv::Mat across, down;
+  cv::Sobel(where, across, CV_32F, 1, 0, 3, 1 / 8.);
+  cv::Sobel(where, down, CV_32F, 0, 1, 3, 1 / 8.);
+  EXPECT_GT(where.at<float>(43, 60), 0.3f);
+  EXPECT_LT(cv::norm(across, cv::NORM_INF), 0.08);
+  EXPECT_LT(cv::norm(down, cv::NORM_INF), 0.08);
+}
+
 TEST(Glitter, NothingDoesWhereItIsLittleOfTheLight) {
   cv::Mat picture = glittering();
   // Upright things that are as bright.
