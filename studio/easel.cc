@@ -20,6 +20,7 @@
 #include "studio/drawing/reduced.h"
 #include "studio/jobs/event_feed.h"
 #include "synth/matte/held.h"
+#include "vision/look/bars.h"
 #include "vision/look/lies_at.h"
 #include "vision/look/standing.h"
 
@@ -182,7 +183,9 @@ std::shared_ptr<const FoundMatte> Easel::find_matte(const Document& document, co
   const std::shared_ptr<const FoundMatte> before = results().matte;
   if (before && before->key == matte_key(document)) return before;
   const std::shared_ptr<const media::Still> still = project_->picture();
-  const cv::Mat given = document.matte_base == MatteBase::kFile ? project_->given_matte() : cv::Mat();
+  const cv::Mat given = document.matte_base == MatteBase::kFile    ? project_->given_matte()
+                        : document.matte_base == MatteBase::kWhole ? vision::matte_within_bars(still->bgr)
+                                                                   : cv::Mat();
   const bool slow = document.matte_base == MatteBase::kScribbles && !document.scribbles.empty();
   if (slow && job.progress) job.progress({"finding the matte", 0, 0});
   for (const Care care : {Care::kDraft, Care::kFull}) {

@@ -68,19 +68,17 @@ void paint(const std::vector<Drawn>& lines, cv::Mat& matte) {
 }
 
 std::optional<DrawnMatte> draw_matte(const Document& document, const cv::Mat& picture, const cv::Mat& alpha,
-                                     const cv::Mat& file, Care care, std::stop_token stop) {
+                                     const cv::Mat& given, Care care, std::stop_token stop) {
   DrawnMatte drawn;
   const auto is_fluid = [](const Drawn& line) { return line.adds; };
   const bool painted = std::any_of(document.paint.begin(), document.paint.end(), is_fluid);
   switch (document.matte_base) {
-    case MatteBase::kWhole:
-      drawn.alpha = cv::Mat(picture.size(), CV_8U, cv::Scalar(255));
-      break;
     case MatteBase::kAlpha:
       drawn.alpha = alpha.clone();
       break;
+    case MatteBase::kWhole:
     case MatteBase::kFile:
-      drawn.alpha = file.clone();
+      drawn.alpha = given.clone();
       break;
     case MatteBase::kScribbles:
       if (std::any_of(document.scribbles.begin(), document.scribbles.end(), is_fluid)) {

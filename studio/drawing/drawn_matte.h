@@ -22,10 +22,10 @@ enum class Care { kDraft, kFull };
 
 /// The fluid's matte; nothing while the document says too little for one (no mark of fluid). As `synth matte` makes it,
 /// with what was painted laid over.
-/// picture  CV_8UC3. alpha   the picture's own, or empty. file   a matte that was given, or empty.
+/// picture  CV_8UC3. alpha   the picture's own, or empty. given   the matte of MatteBase::kFile and kWhole, else empty.
 /// Throws   Error{kInput} as synth::matte::make_matte, Error{kCancelled}.
 std::optional<DrawnMatte> draw_matte(const Document& document, const cv::Mat& picture, const cv::Mat& alpha,
-                                     const cv::Mat& file, Care care, std::stop_token stop = {});
+                                     const cv::Mat& given, Care care, std::stop_token stop = {});
 
 /// What stands in front of the fluid, CV_8U; empty: nothing.
 cv::Mat draw_held(const Document& document, cv::Size picture);

@@ -6,6 +6,7 @@
 #include "store/signature.h"
 #include "store/store_list.h"
 #include "tools/options/starter_option.h"
+#include "vision/look/bars.h"
 
 namespace freshet::tools {
 
@@ -66,7 +67,9 @@ TargetFiles::Loaded TargetFiles::load() const {
     for (const std::string& notice : read.notices) say(picture.string() + ": " + notice);
   }
   loaded.matte_known = whole || !read.alpha.empty();
-  loaded.matte = read.alpha.empty() ? cv::Mat(loaded.picture.size(), CV_8U, cv::Scalar(255)) : read.alpha;
+  loaded.matte = read.alpha.empty() ? vision::matte_within_bars(loaded.picture) : read.alpha;
+  if (read.alpha.empty() && cv::countNonZero(loaded.matte == 0) > 0)
+    say(picture.string() + ": the black bars at its sides keep still");
   return loaded;
 }
 

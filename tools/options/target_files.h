@@ -42,7 +42,7 @@ struct TargetFiles {
     const cv::Mat& looked_at() const { return whole_matte.empty() ? matte : whole_matte; }
   };
   /// Reads both; says what had to be changed about them. Without a matte the picture's alpha is it; without that
-  /// the whole picture is fluid.
+  /// the whole picture is fluid, less black bars at its sides (vision::within_bars).
   Loaded load() const;
   /// The same for what is rendered: throws Error{kUsage} where nobody says where the fluid is.
   Loaded load_with_matte() const;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "vision/look/bars.h"
 #include "vision/look/fluid_kind.h"
 #include "vision/look/fluid_look.h"
 
@@ -31,6 +32,12 @@ int lying_on(const std::vector<cv::Point2f>& border, float height, float slope) 
   return static_cast<int>(std::count_if(border.begin(), border.end(), [&](const cv::Point2f& p) {
     return std::abs(p.y - (height + slope * p.x)) <= kWithin;
   }));
+}
+
+/// Whether it is where a black bar ends.
+bool ends_at_a_bar(const Horizon& horizon, const cv::Mat& picture) {
+  const auto top = static_cast<float>(within_bars(picture).y);
+  return top > 0 && std::max(horizon.from.y, horizon.to.y) <= top + kWithin;
 }
 
 }  // namespace
@@ -60,7 +67,7 @@ std::optional<Horizon> horizon_of(const cv::Mat& matte) {
 std::optional<Horizon> horizon_of_water(const cv::Mat& picture, const cv::Mat& matte,
                                         std::string_view class_name) {
   const std::optional<Horizon> found = horizon_of(matte);
-  if (!found) return {};
+  if (!found || ends_at_a_bar(*found, picture)) return {};
   const bool known = std::ranges::find(kFluidKinds, class_name) != kFluidKinds.end();
   const std::string_view kind = known ? class_name : fluid_kind(fluid_look(picture, matte)).name();
   return kind == "water" ? found : std::nullopt;

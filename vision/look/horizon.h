@@ -15,7 +15,8 @@ namespace freshet::vision {
 /// picture's edge.
 /// matte   CV_8U, fluid above 127.
 std::optional<Horizon> horizon_of(const cv::Mat& matte);
-/// The same of what is water, by its class or, where that is none of kFluidKinds, by its look.
+/// The same of what is water, by its class or, where that is none of kFluidKinds, by its look; none where a black bar
+/// ends (within_bars).
 /// picture   CV_8UC3, of the matte's size.
 std::optional<Horizon> horizon_of_water(const cv::Mat& picture, const cv::Mat& matte,
                                         std::string_view class_name);
