@@ -92,7 +92,7 @@ tools: work report store store/rewrite media/frame media/video stored ingest que
 tools/work: synth/toml work tools/console tools
 tools/query: store media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/store: report store stored query/index query/search query/labelling studio tools/console tools/options tools
-tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
+tools/judging: media/frame media/picture media/video hints vision/look query/labelling synth/judging tools/console
 tools/tour: media/picture synth/animate synth/tour tools/console tools/options
 tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/scene/frames synth/scene/measured synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging tools/tour
 '

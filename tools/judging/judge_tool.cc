@@ -19,6 +19,7 @@
 #include "tools/console/table.h"
 #include "tools/judging/judge_tool.h"
 #include "tools/judging/verdict_report.h"
+#include "vision/look/bars.h"
 
 namespace freshet::tools {
 namespace {
@@ -51,12 +52,14 @@ Target read_target(const JudgeCommand& command, cv::Size film) {
                             command.picture.string(), size.width, size.height),
                 "Give the still that the film was made of");
   Target target;
-  cv::Mat matte(size, CV_8U, cv::Scalar(255));
+  cv::Mat matte;
   if (!command.matte.empty()) {
     const media::Matte read = media::read_matte(command.matte, size);
     for (const std::string& notice : read.notices) say(command.matte.string() + ": " + notice);
     matte = read.alpha;
-  } else if (!command.whole) {
+  } else if (command.whole) {
+    matte = vision::matte_within_bars(picture.bgr);
+  } else {
     throw Error(ErrorKind::kUsage, command.film.string(), "nothing says where its fluid is",
                 "Give --matte, or --whole where all of it moves");
   }
@@ -134,7 +137,9 @@ void add_judge(CLI::App& synth_command, RunContext& context) {
   sub->add_option("PICTURE", command->picture, "The still that it was made of")->required();
   CLI::Option* const matte =
       sub->add_option("--matte", command->matte, "Grey picture, white where the fluid is");
-  sub->add_flag("--whole", command->whole, "All of the picture is fluid [off]")->excludes(matte);
+  sub->add_flag("--whole", command->whole,
+                "All of the picture is fluid, but for black bars at its sides [off]")
+      ->excludes(matte);
   sub->add_option(
       "--class", command->kind,
       "What kind of fluid it shows: water, fire, smoke or clouds, for what is usual [the mean of all]");

@@ -29,7 +29,7 @@ void TargetFiles::add_to(CLI::App& command) {
       ->check(fault_of_key);
   CLI::Option* given = command.add_option("--matte", matte,
                                           "Grey picture, white where the fluid is [the picture's own alpha]");
-  command.add_flag("--whole", whole, "All of the picture is fluid [off]")->excludes(given);
+  command.add_flag("--whole", whole, kWholeHelp)->excludes(given);
 }
 
 store::Snapshot TargetFiles::open_store(const RunContext& context) {
@@ -69,7 +69,7 @@ TargetFiles::Loaded TargetFiles::load() const {
   loaded.matte_known = whole || !read.alpha.empty();
   loaded.matte = read.alpha.empty() ? vision::matte_within_bars(loaded.picture) : read.alpha;
   if (read.alpha.empty() && cv::countNonZero(loaded.matte == 0) > 0)
-    say(picture.string() + ": the black bars at its sides keep still");
+    say(picture.string() + ": the black bars at its sides are no fluid");
   return loaded;
 }
 

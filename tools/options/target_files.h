@@ -17,6 +17,10 @@ namespace freshet::tools {
 /// What is wrong with the key of --signed-by: it is empty, as of a variable that is not set. Empty when nothing is.
 std::string fault_of_key(const std::string& key);
 
+/// Of --whole.
+inline constexpr const char* kWholeHelp =
+    "All of the picture is fluid, but for black bars at its sides [off]";
+
 /// What is searched for: a picture and where its fluid is.
 struct TargetFiles {
   std::string store;                         // empty: the starter store

@@ -300,7 +300,7 @@ void add_query(CLI::App& app, RunContext& context) {
   sub->add_option("PICTURE", kind->target.picture, "The still picture (PNG, JPEG, TIFF, ...)")->required();
   CLI::Option* const matte = sub->add_option(
       "--matte", kind->target.matte, "Grey picture, white where the fluid is [the picture's own alpha]");
-  sub->add_flag("--whole", kind->target.whole, "All of the picture is fluid [off]")->excludes(matte);
+  sub->add_flag("--whole", kind->target.whole, kWholeHelp)->excludes(matte);
   sub->add_flag("--json", kind->json,
                 "Print class, whether it is sure (a share of .85), shares and readings as JSON");
   sub->callback([kind] { run_kind(*kind); });
