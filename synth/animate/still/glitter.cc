@@ -22,7 +22,7 @@ constexpr double kLeastSigma = 4;  // samples: so wide a blur is left once what 
 constexpr double kAround_px = 10;  // sigma of what a place shows
 constexpr double kSparkle_px = 17, kLargest_px = 33;  // of sparkles, and of sparkles that run together
 constexpr double kUsualOver_px = 14;                  // sigma of their usual strength
-constexpr double kRim_px = 8;  // sigma, over which it begins: a glint by itself lay in a disc, as of glass
+constexpr double kRim_px = 6;  // sigma, over which it begins: a glint by itself lay in a disc, as of glass
 constexpr double kMuchFrom = 0.1, kMuchSure = 0.15;  // of all light above the ground
 constexpr double kRipples = 1;                       // times the mean light above the ground beside sparkles
 constexpr float kDark = 0.02f;                       // luma: a ground counts as no darker
@@ -119,6 +119,12 @@ class Light {
   cv::Mat deviation_, level_, bright_, light_;
 };
 
+/// Of this radius, px.
+cv::Mat disc(double radius) {
+  const int side = 2 * static_cast<int>(std::lround(radius)) + 1;
+  return cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
+}
+
 cv::Mat brightest_around(const cv::Mat& luma, double reach) {
   const int side = static_cast<int>(reach) | 1;
   cv::Mat out;
@@ -153,7 +159,8 @@ Glitter::Glitter(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& mat
   const double glitters = share * smoothstep(kMuchFrom, kMuchSure, seen.share(seen.shows(kSure)));
   if (glitters <= 0) return;
 
-  where_ = blurred(seen.shows(kBeside), kRim_px * unit).mul(matte, glitters);
+  cv::dilate(seen.shows(kBeside), where_, disc(2 * kRim_px * unit));
+  where_ = blurred(where_, kRim_px * unit).mul(matte, glitters);
   // Channel by channel: a white sparkle lies on green water. The ground keeps ripples as they are beside the sparkles.
   const cv::Mat beside = matte.mul(1 - where_);
   const double largest = kLargest_px * unit;
