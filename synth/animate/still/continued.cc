@@ -305,6 +305,16 @@ Planes continued_across(Planes planes, int left, int right) {
   return planes;
 }
 
+/// So much beyond each side of the picture as mirrored.
+void mirror_rims(cv::Mat& plane, const cv::Rect& picture, const Sides& rims) {
+  const auto row = [&](int from, int to) { plane.row(from).copyTo(plane.row(to)); };
+  const auto column = [&](int from, int to) { plane.col(from).copyTo(plane.col(to)); };
+  for (int i = 0; i < rims.top; ++i) row(picture.y + i, picture.y - 1 - i);
+  for (int i = 0; i < rims.bottom; ++i) row(picture.br().y - 1 - i, picture.br().y + i);
+  for (int i = 0; i < rims.left; ++i) column(picture.x + i, picture.x - 1 - i);
+  for (int i = 0; i < rims.right; ++i) column(picture.br().x - 1 - i, picture.br().x + i);
+}
+
 }  // namespace
 
 Sides crossed_sides(const cv::Mat& motion, const cv::Mat& matte, int step) {
@@ -338,8 +348,8 @@ Sides crossed_sides(const cv::Mat& motion, const cv::Mat& matte, int step) {
 ContinuedFluid continued(const FluidPlanes& planes, const cv::Mat& matte, const Sides& by) {
   const cv::Rect picture({by.left, by.top}, matte.size());
   if (by.left + by.right + by.top + by.bottom == 0) return {planes, matte, picture};
-  // What goes on does so from within the rim, which nothing brings that is carried over a side: between it and what is
-  // added lies as much that is not read.
+  // What goes on does so from within the rim, which nothing brings that is carried far over a side. What has hardly
+  // been carried leaves less of it out (rim_left_out), and reads the rim's mirror image.
   const auto rim = [](int side, int length) { return side > 0 ? length / sampling::kRims : 0; };
   const int left = rim(by.left, matte.cols), right = rim(by.right, matte.cols), top = rim(by.top, matte.rows),
             bottom = rim(by.bottom, matte.rows);
@@ -368,7 +378,10 @@ ContinuedFluid continued(const FluidPlanes& planes, const cv::Mat& matte, const 
               .copyTo(out(cv::Rect(x.first, y.first, x.length, y.length)));
     return out;
   });
-  for (std::size_t k = 0; k < all.size(); ++k) own[k].copyTo(all[k](picture));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    own[k].copyTo(all[k](picture));
+    mirror_rims(all[k], picture, {.left = left, .right = right, .top = top, .bottom = bottom});
+  }
   return {.planes = {.luma = all[kLuma], .blue = all[kBlue], .red = all[kRed], .trusted = all[kTrusted]},
           .matte = all[kMatte],
           .picture = picture};

@@ -97,6 +97,24 @@ TEST(Continued, WhatIsAddedIsNoMirroredTwinAndJoins) {
   EXPECT_LT(most, 2 * usual);
 }
 
+/// What comes in over a side that has hardly been carried: a thin strip, which must not be a strip of another place.
+TEST(Continued, NextToTheSidesTheRimIsMirrored) {
+  const FluidPlanes planes = planes_of(clouds(), all_fluid());
+  const ContinuedFluid fluid =
+      continued(planes, all_fluid(), {.left = 40, .right = 40, .top = 24, .bottom = 24});
+  const cv::Rect in = fluid.picture;
+  const cv::Mat own = fluid.planes.luma(in), across = fluid.planes.luma.rowRange(in.y, in.br().y),
+                down = fluid.planes.luma.colRange(in.x, in.br().x);
+  for (int i = 0; i < kWide / 50; ++i) {
+    EXPECT_EQ(cv::norm(across.col(in.x - 1 - i), own.col(i), cv::NORM_INF), 0) << i;
+    EXPECT_EQ(cv::norm(across.col(in.br().x + i), own.col(kWide - 1 - i), cv::NORM_INF), 0) << i;
+  }
+  for (int i = 0; i < kHigh / 50; ++i) {
+    EXPECT_EQ(cv::norm(down.row(in.y - 1 - i), own.row(i), cv::NORM_INF), 0) << i;
+    EXPECT_EQ(cv::norm(down.row(in.br().y + i), own.row(kHigh - 1 - i), cv::NORM_INF), 0) << i;
+  }
+}
+
 TEST(Continued, FluidGoesOnAsFluid) {
   // A tree stands in a sky, away from its right side; below lies land.
   cv::Mat matte = all_fluid();
