@@ -24,7 +24,7 @@ FRESHET_WIDE void limit_row(const float* luma, const std::uint16_t* still_blue,
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     const float at = steps * luma[i];
-    const float a0 = at < 0.0f ? 0.0f : at, a = steps < a0 ? steps : a0;
+    const float a0 = at > 0.0f ? at : 0.0f, a = a0 < steps ? a0 : steps;  // 0 where it is no number
     const int below = static_cast<int>(a);
     const float beyond = a - static_cast<float>(below);
     const auto own_blue = static_cast<float>(still_blue[i]), own_green = static_cast<float>(still_green[i]),
