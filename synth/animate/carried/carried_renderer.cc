@@ -206,10 +206,15 @@ class CarriedRenderer final : public Renderer {
   void add_innovations(int output, double begun, cv::Mat& luma) {
     const cv::Mat level = innovations_->level(output);
     if (options_.level_sink.take) {
-      cv::Mat lighter = cv::Mat::zeros(luma.size(), CV_32F);
-      innovations_->add_level(begun * innovations_->liveliest_level(output, options_.level_sink.deviation),
-                              lighter);
-      options_.level_sink.take(output, lighter);
+      const auto enlarged = [&](const cv::Mat& on_canvas) {
+        cv::Mat out = cv::Mat::zeros(luma.size(), CV_32F);
+        innovations_->add_level(begun * on_canvas, out);
+        return out;
+      };
+      options_.level_sink.take(
+          output,
+          {.liveliest = enlarged(innovations_->liveliest_level(output, options_.level_sink.deviation)),
+           .here = enlarged(innovations_->level_here(output))});
     }
     innovations_->add(output, begun, limited(level, std::lerp(kMaxLevel, kMaxLayoutLevel, share_.mean())),
                       luma);

@@ -28,11 +28,17 @@ enum class Layout {
   kStands,  // its texture alone goes
 };
 
-/// Takes how much lighter than usual the liveliest patches are in an output frame, in the share that has begun: CV_32F
-/// of the picture's size, luma. finish() calls it, where anything comes from their pixels. From many threads.
+/// How much lighter than usual patches are in an output frame, in the share that has begun: CV_32F of the picture's
+/// size, luma.
+struct LighterPatches {
+  cv::Mat liveliest;  // of those around each place (SharedLevels::liveliest)
+  cv::Mat here;       // those of a place itself
+};
+
+/// finish() calls it, where anything comes from the patches' pixels. From many threads.
 struct LevelSink {
-  std::function<void(int output, const cv::Mat& lighter)> take{};
-  double deviation = 0;  // luma: over time, of any place, at most
+  std::function<void(int output, LighterPatches lighter)> take{};
+  double deviation = 0;  // luma: over time, of LighterPatches::liveliest at any place, at most
 };
 
 struct CarriedOptions {

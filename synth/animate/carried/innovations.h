@@ -49,6 +49,7 @@ class Innovations {
   void advance(std::span<const int> outputs, const CarryingField& field);
   /// How much lighter than usual the patches are in a frame, on the canvas, luma. Safe from many threads.
   cv::Mat level(int output) const { return levels_.at(output); }
+  cv::Mat level_here(int output) const { return levels_.here(output); }
   /// After measure(), before liveliest_level().
   void settle_levels() { levels_.settle(); }
   /// Of the liveliest around each place (SharedLevels). deviation: at most, luma.

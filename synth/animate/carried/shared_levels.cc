@@ -5,6 +5,7 @@ namespace {
 
 constexpr double kLeast = 1e-4;       // luma: a deviation below is none
 constexpr std::size_t kCounted = 64;  // frames at most, evenly spread, by which deviations are told
+constexpr double kHere = 1;           // pieces: sigma
 
 }  // namespace
 
@@ -38,6 +39,10 @@ void SharedLevels::settle() {
 
 cv::Mat SharedLevels::at(int output) const {
   return lattice_.over_canvas(levels_[static_cast<std::size_t>(output)], reach_);
+}
+
+cv::Mat SharedLevels::here(int output) const {
+  return lattice_.over_canvas(levels_[static_cast<std::size_t>(output)], kHere);
 }
 
 cv::Mat SharedLevels::liveliest(int output, double deviation) const {

@@ -24,11 +24,13 @@ class SharedLevels {
   /// How much lighter than on average a patch is in an output frame, luma. Each patch and frame once, patches from many
   /// threads.
   void set(std::size_t patch, int output, float level);
-  /// After all of them, before liveliest(); at() needs none.
+  /// After all of them, before liveliest(); the others need none.
   void settle();
 
   /// The canvas (canvas_of), CV_32F. Safe from many threads.
   cv::Mat at(int output) const;
+  /// The same, shared by a piece and those beside it alone: what a patch does by itself stays.
+  cv::Mat here(int output) const;
   /// The same of those patches whose levels change most: weights are variances over time. So the ground around flames
   /// is lit by them, also where its own patches stand. It varies as much as these patches do (their weighted
   /// deviation), and nowhere more than by `deviation`: in proportion, so that it does not switch between two levels.

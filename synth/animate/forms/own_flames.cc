@@ -12,6 +12,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "platform/smoothstep.h"
 #include "synth/animate/forms/flame_columns.h"
 #include "synth/animate/forms/form_look.h"
 #include "synth/animate/forms/handed_frame.h"
@@ -40,6 +41,22 @@ constexpr float kFull = 0.15f;   // level of a ground that changes as the clips'
 constexpr double kMostByDay = 0.006, kMostByNight = 0.05;  // luma: deviation of that change over time
 constexpr double kSoftSide =
     0.015;  // of the longer side: sigma over which that ends towards the matte's sides
+// How flames leap: by so many times what patches are lighter than usual, less this share of what all do together, or
+// the fire would beat as a whole; up by at most kMostFlared of their level, down by kMostGone of white (thinned). From
+// kGlow to kBurns they begin to flare.
+constexpr float kLeap = 6, kMostFlared = 0.5f, kMostGone = 0.6f, kGlow = 0.04f, kBurns = 0.2f;
+constexpr double kTogether = 0.75;
+
+/// A flame's level as it leaps and dies down where patches are so much lighter than usual, luma. Faint glow does not
+/// flare, or it would be haze, and does not go out, or what is around a fire would stand.
+float leaping(float level, float lighter) {
+  if (lighter < 0) {
+    const float gone = std::min(-kLeap * lighter, kMostGone);
+    return std::max(thinned(level, gone), (1 - gone) * std::min(level, kGlow));
+  }
+  const float flares = std::min(kLeap * lighter, kMostFlared);
+  return std::min(1.0f, level * (1 + flares * smoothstep(kGlow, kBurns, level)));
+}
 
 /// What is carried over a dark gap brought the gap's colour along, grey or blue: a flame is to be no paler than the
 /// picture's flames of its brightness are. usual  the colour of these.
@@ -309,6 +326,7 @@ class OwnFlames final : public Renderer {
     if (rest_stands_) own_.setTo(0);  // all of its light is shown
     inside_ = deep_in(still.alpha);
     reach_ = reach_of(parted_.level);
+    shines_ = std::max(cv::mean(parted_.level)[0], 1e-6);
     light_.release_for_frames(false);
   }
 
@@ -372,19 +390,23 @@ class OwnFlames final : public Renderer {
   };
   Carried carry(int output, const cv::Mat& matte) {
     const cv::Mat fluid = carried_->finish(output, matte);
-    if (rest_stands_) return {parted_.level, parted_.light, taken_level(output, fluid.size())};
-    const float own_colours = remaining(output);
+    const LighterPatches lighter = taken_level(output, fluid.size());
+    if (rest_stands_) return {parted_.level, parted_.light, lighter.liveliest};
+    const float own_colours = remaining(output),
+                together =
+                    static_cast<float>(kTogether * cv::mean(lighter.here.mul(parted_.level))[0] / shines_);
     Carried carried{.level = cv::Mat(fluid.size(), CV_32F),
                     .light = cv::Mat(fluid.size(), CV_32FC3),
-                    .lighter = taken_level(output, fluid.size())};
+                    .lighter = lighter.liveliest};
     for (int y = 0; y < fluid.rows; ++y)
       for (int x = 0; x < fluid.cols; ++x) {
         const cv::Vec4f f = fluid.at<cv::Vec4f>(y, x);
         cv::Vec3f& light = carried.light.at<cv::Vec3f>(y, x) = {};
         for (int k = 0; k < 3 && f[3] > 0; ++k) light[k] = light_of(f[k] / f[3]);
         const float now = level_of(luma_of(light));
+        const float leaps = leaping(now, lighter.here.at<float>(y, x) - together);
         const float shown =
-            thinned(now * reach_.at<float>(y, x), kLostBehind * parted_.before.at<float>(y, x));
+            thinned(leaps * reach_.at<float>(y, x), kLostBehind * parted_.before.at<float>(y, x));
         const cv::Vec3f usual = no_paler(light, colours_.at(shown));
         light = usual + own_colours * (light - usual);
         if (now > 0) light *= light_of(shown) / light_of(now);
@@ -396,17 +418,18 @@ class OwnFlames final : public Renderer {
   CarriedOptions with_level(CarriedOptions options) {
     options.level_sink = {
         .take =
-            [this](int output, const cv::Mat& lighter) {
+            [this](int output, LighterPatches lighter) {
               const std::lock_guard lock(guard_);
-              lighter_[output] = lighter;
+              lighter_[output] = std::move(lighter);
             },
         .deviation = std::lerp(kMostByDay, kMostByNight, ground_.darkness() * ground_.darkness())};
     return options;
   }
-  cv::Mat taken_level(int output, cv::Size size) {
+  LighterPatches taken_level(int output, cv::Size size) {
     const std::lock_guard lock(guard_);
-    const auto found = lighter_.extract(output);
-    return found ? found.mapped() : cv::Mat::zeros(size, CV_32F);
+    auto found = lighter_.extract(output);
+    if (!found) return {cv::Mat::zeros(size, CV_32F), cv::Mat::zeros(size, CV_32F)};
+    return std::move(found.mapped());
   }
 
   /// The ground as flames light it, and as that of the clips' fires glows, glimmers and is hazy: near a side of the
@@ -463,11 +486,12 @@ class OwnFlames final : public Renderer {
   const FrameOptions light_options_;
   Animation inner_;
   std::mutex guard_;
-  std::map<int, cv::Mat> lighter_;  // by output frame, until it is finished
+  std::map<int, LighterPatches> lighter_;  // by output frame, until it is finished
   std::unique_ptr<Renderer> carried_;
-  cv::Mat own_;     // CV_32FC3: the light less what its picture on black shows
-  cv::Mat inside_;  // CV_32F, 0..1: of the matte, how far from its sides
-  cv::Mat reach_;   // CV_32F, 0..1: where light may be
+  cv::Mat own_;        // CV_32FC3: the light less what its picture on black shows
+  cv::Mat inside_;     // CV_32F, 0..1: of the matte, how far from its sides
+  cv::Mat reach_;      // CV_32F, 0..1: where light may be
+  double shines_ = 0;  // mean level of the picture's light
 };
 
 }  // namespace

@@ -61,6 +61,14 @@ TEST(SharedLevels, WhatNeighboursDoTogetherStays) {
   EXPECT_LT(unrest_of_all(settled(3, 2.4, 0.1), 4, 4), 0.01);
 }
 
+TEST(SharedLevels, APatchByItselfStaysHere) {
+  // Each out of step with its neighbours across, in step with those above and below.
+  const SharedLevels levels = settled(3, 2 * std::numbers::pi / kPieces, 0.1);
+  const double here = unrest_of([&](int frame) { return levels.here(frame); }, 4, 4);
+  EXPECT_GT(here, 0.6 * 0.1 / std::numbers::sqrt2);
+  EXPECT_GT(here, 3 * unrest_of_all(levels, 4, 4));
+}
+
 TEST(SharedLevels, TheLiveliestLeadThoseThatStand) {
   // A piece from the border of those that are lively.
   const SharedLevels levels = settled(1, 0, 0);
