@@ -41,21 +41,34 @@ constexpr float kFull = 0.15f;   // level of a ground that changes as the clips'
 constexpr double kMostByDay = 0.006, kMostByNight = 0.05;  // luma: deviation of that change over time
 constexpr double kSoftSide =
     0.015;  // of the longer side: sigma over which that ends towards the matte's sides
-// How flames leap: by so many times what patches are lighter than usual, less this share of what all do together, or
-// the fire would beat as a whole; up by at most kMostFlared of their level, down by kMostGone of white (thinned). From
-// kGlow to kBurns they begin to flare.
-constexpr float kLeap = 6, kMostFlared = 0.5f, kMostGone = 0.6f, kGlow = 0.04f, kBurns = 0.2f;
-constexpr double kTogether = 0.75;
+// How flames leap: by so many times what patches are lighter than usual, less what all do together, or the fire would
+// beat as a whole; up by at most kMostFlared of their level, down by kMostGone of white (thinned). From kGlow to kBurns
+// they begin to flare. None gets lighter than kTop of all flames are, where the picture tells no colour.
+constexpr float kLeap = 8, kMostFlared = 0.3f, kMostGone = 0.7f, kGlow = 0.04f, kBurns = 0.2f;
+constexpr double kTop = 0.99;
 
 /// A flame's level as it leaps and dies down where patches are so much lighter than usual, luma. Faint glow does not
 /// flare, or it would be haze, and does not go out, or what is around a fire would stand.
-float leaping(float level, float lighter) {
+float leaping(float level, float lighter, float top) {
   if (lighter < 0) {
     const float gone = std::min(-kLeap * lighter, kMostGone);
     return std::max(thinned(level, gone), (1 - gone) * std::min(level, kGlow));
   }
   const float flares = std::min(kLeap * lighter, kMostFlared);
-  return std::min(1.0f, level * (1 + flares * smoothstep(kGlow, kBurns, level)));
+  return std::max(level, std::min(top, level * (1 + flares * smoothstep(kGlow, kBurns, level))));
+}
+
+/// The level that a share of what shines stays below.
+float level_below(const cv::Mat& level, double share) {
+  std::vector<float> shining;
+  for (int y = 0; y < level.rows; ++y)
+    for (int x = 0; x < level.cols; ++x)
+      if (level.at<float>(y, x) > kShines) shining.push_back(level.at<float>(y, x));
+  if (shining.empty()) return 1;
+  const auto at =
+      shining.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(shining.size() - 1));
+  std::nth_element(shining.begin(), at, shining.end());
+  return *at;
 }
 
 /// What is carried over a dark gap brought the gap's colour along, grey or blue: a flame is to be no paler than the
@@ -326,6 +339,7 @@ class OwnFlames final : public Renderer {
     if (rest_stands_) own_.setTo(0);  // all of its light is shown
     inside_ = deep_in(still.alpha);
     reach_ = reach_of(parted_.level);
+    top_ = level_below(parted_.level, kTop);
     shines_ = std::max(cv::mean(parted_.level)[0], 1e-6);
     light_.release_for_frames(false);
   }
@@ -393,8 +407,7 @@ class OwnFlames final : public Renderer {
     const LighterPatches lighter = taken_level(output, fluid.size());
     if (rest_stands_) return {parted_.level, parted_.light, lighter.liveliest};
     const float own_colours = remaining(output),
-                together =
-                    static_cast<float>(kTogether * cv::mean(lighter.here.mul(parted_.level))[0] / shines_);
+                together = static_cast<float>(cv::mean(lighter.here.mul(parted_.level))[0] / shines_);
     Carried carried{.level = cv::Mat(fluid.size(), CV_32F),
                     .light = cv::Mat(fluid.size(), CV_32FC3),
                     .lighter = lighter.liveliest};
@@ -404,10 +417,14 @@ class OwnFlames final : public Renderer {
         cv::Vec3f& light = carried.light.at<cv::Vec3f>(y, x) = {};
         for (int k = 0; k < 3 && f[3] > 0; ++k) light[k] = light_of(f[k] / f[3]);
         const float now = level_of(luma_of(light));
-        const float leaps = leaping(now, lighter.here.at<float>(y, x) - together);
+        const float leaps = leaping(now, lighter.here.at<float>(y, x) - together, top_);
         const float shown =
             thinned(leaps * reach_.at<float>(y, x), kLostBehind * parted_.before.at<float>(y, x));
-        const cv::Vec3f usual = no_paler(light, colours_.at(shown));
+        // What flares has the colour of flames that are as light: its own, lighter, would be yellow.
+        const float flares = std::clamp((leaps - now) / (kMostFlared * now + 1e-6f), 0.0f, 1.0f);
+        const cv::Vec3f as_light = colours_.at(shown);
+        light += flares * (as_light * (luma_of(light) / std::max(luma_of(as_light), 1e-6f)) - light);
+        const cv::Vec3f usual = no_paler(light, as_light);
         light = usual + own_colours * (light - usual);
         if (now > 0) light *= light_of(shown) / light_of(now);
         carried.level.at<float>(y, x) = shown;
@@ -492,6 +509,7 @@ class OwnFlames final : public Renderer {
   cv::Mat inside_;     // CV_32F, 0..1: of the matte, how far from its sides
   cv::Mat reach_;      // CV_32F, 0..1: where light may be
   double shines_ = 0;  // mean level of the picture's light
+  float top_ = 1;      // level: flames leap no higher
 };
 
 }  // namespace

@@ -29,7 +29,8 @@ struct OwnFlamesOptions {
 /// rims and embers do not move; they are lit by the flames (LitGround), and glow and glimmer place by place as the
 /// liveliest patches around do (SharedLevels::liveliest): their level varies over time by at most .05 in the dark
 /// and .006 by day, of a ground darker than .15 less.
-/// Flames leap and die down where the patches there get lighter and darker (SharedLevels::here).
+/// Flames leap and die down where the patches there get lighter and darker than all of the fire's
+/// (SharedLevels::here), in the colours that the picture's flames have at that level.
 /// A flame of one tongue (tongues_of) is not carried but sways as a whole, as the flame of a clip did; of the first
 /// kCourseClips clips that which is a tongue itself most often, or the calmest; as fast as asked (as_fast_as), else as
 /// restless as halfway_to_usual. Where such flames have more than half of the light (share_of_light), the

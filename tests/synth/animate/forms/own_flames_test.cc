@@ -108,28 +108,24 @@ TEST(OwnFlames, TheGroundGlowsAsThatOfTheClipsDoes) {
   }
 }
 
-/// Of the picture's flames in squares of 24 px, the most that one goes up and down, grey levels.
-double most_swing(const std::vector<cv::Mat>& frames, double per_frame) {
-  double most = 0;
-  for (int y = 0; y + 24 <= kPicture.size.height; y += 24)
-    for (int x = 0; x + 24 <= kPicture.size.width; x += 24)
-      if (const cv::Rect where(x, y, 24, 24); cv::mean(kPicture.draw()(where))[2] > 100)
-        most = std::max(most, swing(frames, where, per_frame));
-  return most;
-}
-
 TEST(OwnFlames, LeapAndDieDownAsThoseOfTheClipDo) {
   constexpr double kPace = 0.8;  // rad a frame
-  const auto swing_of = [](double strength) {
+  const cv::Rect flames(120, 96, 24, 24), beside(0, 96, 24, 24);
+  const auto made = [](double halves_apart) {
     FlowingClip clip = rising();
     clip.drawn = [=](int i) {
       cv::Mat frame = BurningClip{}.frame(i);
-      return cv::Mat(frame + cv::Scalar::all(strength * (1 + std::sin(kPace * i))));
+      for (int half = 0; half < 2; ++half)
+        frame.colRange(half * 60, half == 0 ? 60 : frame.cols) +=
+            cv::Scalar::all(40 + 40 * std::sin(kPace * i + half * halves_apart));
+      return frame;
     };
-    return most_swing(made_with(FlowingStore({clip}), by_itself(40)).frames, kPace);
+    return made_with(FlowingStore({clip}), by_itself(40)).frames;
   };
-  EXPECT_LT(swing_of(0), 8);
-  EXPECT_GT(swing_of(40), 0.1 * 255);  // all places get lighter by .08 of white at most
+  const std::vector<cv::Mat> apart = made(CV_PI), together = made(0);
+  EXPECT_GT(swing(apart, flames, kPace), 2 * swing(apart, beside, kPace));
+  // A fire does not beat as a whole.
+  EXPECT_LT(swing(together, flames, kPace), 1.3 * swing(together, beside, kPace));
 }
 
 /// How light frames are there, of the picture's, at the darkest.
