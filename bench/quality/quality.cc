@@ -260,7 +260,8 @@ class Trial {
     options.fps = case_.fps;
     options.loop = asked_.loop;
     query::MotionGuide guide = labels.asked.rendering;
-    if (method.horizon && case_.class_name == "water") guide.horizon = vision::horizon_of(case_.matte);
+    if (method.horizon && case_.class_name == "water")
+      guide.horizon = vision::horizon_of_water(case_.still, case_.matte, case_.class_name);
     synth::animate::Placement placement = labels.placement;
     synth::animate::Playing playing;
     synth::takes::apply({.speed = method.speed.value_or(1)}, 0, options, guide, playing);

@@ -28,7 +28,7 @@ struct TargetFiles {
   std::filesystem::path picture, matte;
   std::string signed_by;  // public key of the stores' maker; empty: anybody's
 
-  bool whole = false;  // the whole picture is fluid, whatever its alpha says
+  bool whole = false;  // kWholeHelp, whatever its alpha says
 
   /// STORE, PICTURE, --store, --signed-by, --matte, --whole. One name alone is the picture. This must outlive the
   /// command.

@@ -52,7 +52,12 @@ int depth(const cv::Mat& light) {
 cv::Rect within_bars(const cv::Mat& picture) {
   assert(picture.type() == CV_8UC3);
   cv::Mat small;
-  cv::resize(picture, small, worked_size(picture.size()), 0, 0, cv::INTER_AREA);
+  // Never larger: bars would end between rows.
+  const cv::Size worked = worked_size(picture.size());
+  if (worked.width < picture.cols && worked.height < picture.rows)
+    cv::resize(picture, small, worked, 0, 0, cv::INTER_AREA);
+  else
+    small = picture;
   std::array<cv::Mat, 3> channels;
   cv::split(small, channels.data());
   cv::Mat light = cv::max(cv::max(channels[0], channels[1]), channels[2]);

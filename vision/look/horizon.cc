@@ -34,10 +34,11 @@ int lying_on(const std::vector<cv::Point2f>& border, float height, float slope) 
   }));
 }
 
-/// Whether it is where a black bar ends.
+/// Whether it is where the upper of two black bars ends. A black sky alone is none.
 bool ends_at_a_bar(const Horizon& horizon, const cv::Mat& picture) {
-  const auto top = static_cast<float>(within_bars(picture).y);
-  return top > 0 && std::max(horizon.from.y, horizon.to.y) <= top + kWithin;
+  const cv::Rect seen = within_bars(picture);
+  return seen.y > 0 && seen.br().y < picture.rows &&
+         std::max(horizon.from.y, horizon.to.y) <= static_cast<float>(seen.y) + kWithin;
 }
 
 }  // namespace

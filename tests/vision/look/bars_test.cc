@@ -38,6 +38,17 @@ TEST(Bars, ALetterboxedPictureIsWhatLiesBetweenThem) {
   }
 }
 
+TEST(Bars, SomeOfTheSmallestPictureIsWithinThem) {
+  for (int height = 1; height <= 24; ++height)
+    for (int width : {1, 2, 6, 40})
+      for (int bar = 1; 2 * bar < height; ++bar) {
+        const cv::Size size(width, height);
+        const cv::Rect seen = within_bars(letterboxed(size, bar, bar));
+        EXPECT_GT(seen.area(), 0) << size << bar;
+        EXPECT_EQ(seen & cv::Rect({}, size), seen) << size << bar;
+      }
+}
+
 TEST(Bars, BarsAtTheLeftAndRightAreFoundToo) {
   cv::Mat turned;
   cv::rotate(letterboxed({360, 640}, 50, 4), turned,

@@ -11,7 +11,7 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kWidth = 96, kHeight = 64, kStep = 4;
+constexpr int kWidth = 96, kHeight = 64;
 
 /// A picture of one colour, and what was carried of it.
 struct Still {
