@@ -18,14 +18,14 @@ constexpr int kQuantiles = 32;
 constexpr double kMostGain = 2.5;
 constexpr double kSmooth = 5;  // steps
 
-float brightest(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
-  std::nth_element(values.begin(), at, values.end());
+}  // namespace
+
+float brightest(std::vector<float> levels) {
+  if (levels.empty()) return 0;
+  const auto at = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() * 99 / 100);
+  std::nth_element(levels.begin(), at, levels.end());
   return *at;
 }
-
-}  // namespace
 
 LevelMaps::LevelMaps(const cv::Mat& still, std::span<const cv::Mat> forms, double top, double bed)
     : top_(top), bed_(std::max(bed, top + 1)) {

@@ -9,6 +9,9 @@
 
 namespace freshet::synth::animate {
 
+/// The level of light that all but a hundredth of these stay below; 0 of none.
+float brightest(std::vector<float> levels);
+
 /// Levels of light matched to the picture's, by height above the bed: one map for all frames, so that nothing pumps.
 class LevelMaps {
  public:

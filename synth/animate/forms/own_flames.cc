@@ -43,9 +43,8 @@ constexpr double kSoftSide =
     0.015;  // of the longer side: sigma over which that ends towards the matte's sides
 // How flames leap: by so many times what patches are lighter than usual, less what all do together, or the fire would
 // beat as a whole; up by at most kMostFlared of their level, down by kMostGone of white (thinned). From kGlow to kBurns
-// they begin to flare. None gets lighter than kTop of all flames are, where the picture tells no colour.
+// they begin to flare. None gets lighter than the picture's brightest: it tells no colour for those.
 constexpr float kLeap = 8, kMostFlared = 0.3f, kMostGone = 0.7f, kGlow = 0.04f, kBurns = 0.2f;
-constexpr double kTop = 0.99;
 
 /// A flame's level as it leaps and dies down where patches are so much lighter than usual, luma. Faint glow does not
 /// flare, or it would be haze, and does not go out, or what is around a fire would stand.
@@ -58,17 +57,12 @@ float leaping(float level, float lighter, float top) {
   return std::max(level, std::min(top, level * (1 + flares * smoothstep(kGlow, kBurns, level))));
 }
 
-/// The level that a share of what shines stays below.
-float level_below(const cv::Mat& level, double share) {
-  std::vector<float> shining;
+std::vector<float> shining(const cv::Mat& level) {
+  std::vector<float> out;
   for (int y = 0; y < level.rows; ++y)
     for (int x = 0; x < level.cols; ++x)
-      if (level.at<float>(y, x) > kShines) shining.push_back(level.at<float>(y, x));
-  if (shining.empty()) return 1;
-  const auto at =
-      shining.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(shining.size() - 1));
-  std::nth_element(shining.begin(), at, shining.end());
-  return *at;
+      if (level.at<float>(y, x) > kShines) out.push_back(level.at<float>(y, x));
+  return out;
 }
 
 /// What is carried over a dark gap brought the gap's colour along, grey or blue: a flame is to be no paler than the
@@ -339,7 +333,7 @@ class OwnFlames final : public Renderer {
     if (rest_stands_) own_.setTo(0);  // all of its light is shown
     inside_ = deep_in(still.alpha);
     reach_ = reach_of(parted_.level);
-    top_ = level_below(parted_.level, kTop);
+    top_ = brightest(shining(parted_.level));
     shines_ = std::max(cv::mean(parted_.level)[0], 1e-6);
     light_.release_for_frames(false);
   }
