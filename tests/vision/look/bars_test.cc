@@ -20,7 +20,7 @@ cv::Mat letterboxed(cv::Size size, int above, int below) {
   cv::Mat out = sea(size), black(size, CV_8UC3);
   cv::RNG(4).fill(black, cv::RNG::UNIFORM, 14, 18);
   for (const cv::Range& rows : {cv::Range(0, above), cv::Range(size.height - below, size.height)})
-    black.rowRange(rows).copyTo(out.rowRange(rows));
+    if (!rows.empty()) black.rowRange(rows).copyTo(out.rowRange(rows));
   return out;
 }
 
@@ -41,7 +41,7 @@ TEST(Bars, ALetterboxedPictureIsWhatLiesBetweenThem) {
 TEST(Bars, SomeOfTheSmallestPictureIsWithinThem) {
   for (int height = 1; height <= 24; ++height)
     for (int width : {1, 2, 6, 40})
-      for (int bar = 1; 2 * bar < height; ++bar) {
+      for (int bar = 0; 2 * bar < height; ++bar) {
         const cv::Size size(width, height);
         const cv::Rect seen = within_bars(letterboxed(size, bar, bar));
         EXPECT_GT(seen.area(), 0) << size << bar;
@@ -83,6 +83,14 @@ TEST(Bars, TheMatteWithinThemHasNoHorizon) {
   cv::Mat shore = matte.clone();
   shore.rowRange(0, 150).setTo(0);
   EXPECT_TRUE(horizon_of_water(picture, shore, "water"));
+}
+
+TEST(Bars, ABlackSkyOverASeaHasItsHorizon) {
+  const cv::Mat night = letterboxed({640, 360}, 120, 0);
+  cv::Mat matte(night.size(), CV_8U, cv::Scalar(255));
+  matte.rowRange(0, 120).setTo(0);
+  ASSERT_EQ(within_bars(night).y, 120);
+  EXPECT_TRUE(horizon_of_water(night, matte, "water"));
 }
 
 }  // namespace
